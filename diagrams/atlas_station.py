@@ -5,22 +5,16 @@ Wiring only.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from functools import partial
 
 from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import (
-    AddMultibodyPlant,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-)
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.diagrams.contact import (
     add_scenery,
     scene_graph_config,
@@ -31,19 +25,16 @@ from atlas_drake.diagrams.controller_socket import (
     add_controller,
 )
 from atlas_drake.diagrams.standing import stand_by_default
-from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
-from atlas_drake.scenario.noise import NoiseModel
-from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.scenario import HarnessGains
-from atlas_drake.scenario.terrain import Block
-from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.models import world_of
+from atlas_drake.scenario.noise import noise_model
 from atlas_drake.scenario.world import (
     WorldError,
     WorldMaker,
     add_world,
+    listed,
     world_instances,
 )
 from atlas_drake.systems.command_interface import CommandInterface
@@ -59,51 +50,6 @@ from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.systems.whole_body_controller import WholeBodyController
-
-
-@dataclass(frozen=True)
-class StationConfig:
-    """Settings of a station.
-
-    Attributes:
-        physics_step: Step of the plant and of the joint controllers [s].
-        control_period: Step of the behaviors [s], a multiple of ``physics_step``; 0 for
-            the multiple that is nearest to 9 ms.
-        ground_friction: Coefficient of the ground.
-        terrain: Boxes on the ground.
-        noise: Noise of the sensors.
-        seed: Seed of that noise.
-        initial_behavior: The behavior active at the start.
-        harnessed: True to add a harness that can hold the pelvis.
-        harness: Gains of the harness.
-        estimated: True if the behaviors read an estimate in place of the true state.
-        controller: Parameters of the controller; None for the robot's.
-        estimator: Parameters of the state estimator.
-        plant: Contact model and solver; see ``Scenario.plant``.
-        pushes: Pushes on the robot, see ``PlannedPush``.
-    """
-
-    physics_step: float = 0.0015
-    control_period: float = 0.0
-    ground_friction: float = 0.9
-    terrain: tuple[Block, ...] = ()
-    noise: NoiseModel = field(default_factory=NoiseModel)
-    seed: int = 0
-    initial_behavior: Behavior = Behavior.STAND
-    harnessed: bool = False
-    harness: HarnessGains = field(default_factory=HarnessGains)
-    estimated: bool = False
-    controller: ControllerConfig | None = None
-    estimator: OdometryTuning = field(default_factory=OdometryTuning)
-    plant: MultibodyPlantConfig = field(default_factory=plant_config)
-    pushes: tuple[PlannedPush, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Adjusts both steps so that their multiples coincide exactly."""
-        steps = on_common_grid(self.physics_step, self.control_period)
-        object.__setattr__(self, "physics_step", steps[0])
-        object.__setattr__(self, "control_period", steps[1])
-
 
 CONTROLLER_INPUTS = ("state", "foot_loads", "user_forecast", "commands", "imu")
 """Signals that a controller may read, see ``controller_socket``."""
@@ -139,25 +85,27 @@ EXPORTED = (
 
 def make_atlas_station(
     robot: Robot | None = None,
-    config: StationConfig | None = None,
+    scenario: Scenario | None = None,
     *,
     controller: ControllerSource | None = None,
     behaviors: Iterable[BehaviorEntry] = (),
-    world: Sequence[WorldMaker] = (),
+    world: Iterable[WorldMaker] = (),
 ) -> Diagram:
     """Builds the station.
 
     In its default context the robot stands in the stand-prep pose over the origin of W,
-    ready to simulate; ``place_robot`` puts it elsewhere.
+    ready to simulate; ``place_robot`` puts it elsewhere. Start, jitter and commands of
+    the scenario are for ``AtlasSimulation``.
 
     Args:
-        robot: Robot of the station; None is ``atlas``.
-        config: Periods, sensors, ground; None for the defaults.
+        robot: Robot of the station, in place of the scenario's; None loads that one.
+        scenario: Steps, world, sensors, controller, initial behavior, pushes; None for
+            the defaults.
         controller: Replaces ``WholeBodyController``; see
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
         behaviors: Added to the shipped behaviors of ``WholeBodyController``.
-        world: Callables (plant) -> None that add models beside the robot; see
-            ``atlas_drake.scenario.world``.
+        world: Callables (plant) -> None that add models beside the robot and those of
+            the scenario; see ``atlas_drake.scenario.world``.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
@@ -190,25 +138,28 @@ def make_atlas_station(
             state estimator, if there is one; see ``EstimationError``.
 
     Raises:
+        ScenarioError: If the scenario has a value that cannot be used, or the robot
+            lacks a body that is to be pushed.
+        RobotDescriptionError: If the robot's files cannot be used.
         ControllerError: If the controller does not fit the socket.
         BehaviorError: If a behavior cannot be registered.
-        ScenarioError: If the robot lacks a body that is to be pushed.
         WorldError: If the world cannot be added.
     """
-    robot = robot or load_robot()
-    config = config or StationConfig()
-    entries = (*SHIPPED_ENTRIES, *registered(behaviors))
+    own_behaviors = registered(behaviors)
+    robot, scenario = ready(robot, scenario, own_behaviors)
+    entries = (*SHIPPED_ENTRIES, *own_behaviors)
     catalog = BehaviorCatalog(entries)
-    tuning = config.controller or ControllerConfig.of(robot.file, entries)
+    terrain, noise = scenario.all_terrain(), noise_model(scenario.noise)
+    world = (*world_of(scenario.all_models()), *listed(world))
     builder = DiagramBuilder()
     add = builder.AddNamedSystem
-    step, period = config.physics_step, config.control_period
-    plant, scene_graph = _add_plant(builder, robot, config, world)
+    step, period = scenario.physics_step, scenario.control_period
+    plant, scene_graph = _add_plant(builder, robot, scenario, world)
     indices, own = robot.indices(plant), robot.instance(plant)
 
     commands = add(
         "command_interface",
-        CommandInterface(robot, period, config.initial_behavior, catalog),
+        CommandInterface(robot, period, scenario.behavior(), catalog),
     )
     pid = add(
         "joint_pid_bank",
@@ -216,18 +167,19 @@ def make_atlas_station(
     )
     ours = partial(make_whole_body_controller, entries=entries)
     source = ours if controller is None else controller
-    socket = add_controller(builder, source, robot, config, catalog)
+    socket = add_controller(builder, source, robot, scenario, catalog)
     reporter = add("interface_reporter", InterfaceReporter(robot))
     selector = add("effort_selector", EffortSelector(robot, indices))
     sensors = add(
         "robot_sensors",
-        RobotSensors(robot, plant, config.noise, config.seed, step, period),
+        RobotSensors(robot, plant, noise, scenario.seed, step, period),
     )
     statistics = add(
         "run_statistics",
         RunStatistics(robot, indices, plant.num_multibody_states(own), period),
     )
-    pushes = add("push_source", PushSource(robot, plant, config.pushes, period))
+    pushes = add("push_source", PushSource(robot, plant, scenario.pushes, period))
+    tuning = scenario.controller_config()
     falls = add("fall_monitor", FallMonitor(robot, plant, tuning, period))
 
     # Ports are connected by name: every input reads the signal of its name.
@@ -245,13 +197,13 @@ def make_atlas_station(
     systems = (commands, pid, selector, sensors, statistics, pushes, falls)
     for system in (*systems, reporter):
         signals |= _outputs(system)
-    if config.estimated:
-        signals |= _add_estimator(builder, robot, config, plant, signals)
-    signals["behavior_state"] = signals[
-        "estimated_state" if config.estimated else "measured_state"
-    ]
-    if config.harnessed:
-        harness = add("harness", Harness(robot, plant, config.harness))
+    state = "measured_state"
+    if scenario.state == "estimated":
+        state = "estimated_state"
+        signals |= _add_estimator(builder, robot, scenario, plant, signals)
+    signals["behavior_state"] = signals[state]
+    if scenario.start.harnessed:
+        harness = add("harness", Harness(robot, plant, scenario.harness))
         pushed = signals["applied_spatial_force"]
         _connect(builder, harness, {**signals, "other_spatial_force": pushed})
         signals |= _outputs(harness)
@@ -283,44 +235,56 @@ def make_atlas_station(
         # Only the whole diagram knows where the geometry of all models is.
         root = station.CreateDefaultContext()
         context = plant.GetMyMutableContextFromRoot(root)
-        stand_by_default(plant, robot, config.terrain, context)
+        stand_by_default(plant, robot, terrain, context)
     return station
+
+
+def ready(
+    robot: Robot | None, scenario: Scenario | None, behaviors: Iterable[BehaviorEntry]
+) -> tuple[Robot, Scenario]:
+    """Returns robot and scenario of a station, with values for what is None.
+
+    The scenario is resolved, its steps are on the common grid, and its robot is the
+    given one.
+    """
+    scenario = scenario or Scenario()
+    robot = robot or load_robot(scenario.model)
+    if robot.model != scenario.model:
+        scenario = replace(scenario, model=robot.model)
+    return robot, scenario.resolved(behaviors).on_time_grid()
 
 
 def make_whole_body_controller(
     robot: Robot,
-    config: StationConfig,
+    scenario: Scenario,
     entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
 ) -> WholeBodyController:
     """Makes the default controller of a station.
 
     Args:
         robot: Robot to control.
-        config: Settings of the station.
+        scenario: Scenario of the station, as a controller's callable gets it.
         entries: Entries of the behaviors.
     """
     entries = tuple(entries)
-    tuning = config.controller or ControllerConfig.of(robot.file, entries)
-    return WholeBodyController(
-        robot, tuning, config.control_period, config.initial_behavior, entries
-    )
+    tuning, period = scenario.controller_config(entries), scenario.control_period
+    return WholeBodyController(robot, tuning, period, scenario.behavior(), entries)
 
 
 def _add_plant(
     builder: DiagramBuilder,
     robot: Robot,
-    config: StationConfig,
+    scenario: Scenario,
     world: Sequence[WorldMaker],
 ) -> tuple[MultibodyPlant, SceneGraph]:
     """Adds the plant with robot, level ground at z = 0, terrain and world."""
     plant, scene_graph = AddMultibodyPlant(
-        checked_plant_config(config.plant, config.physics_step),
-        scene_graph_config(),
-        builder,
+        scenario.plant, scene_graph_config(), builder
     )
     robot.add_to(plant)
     set_robot_dissipation(plant, scene_graph, robot)
-    add_scenery(plant, config.terrain, config.ground_friction)
+    terrain = scenario.all_terrain()
+    add_scenery(plant, terrain, scenario.ground_friction)
     add_world(plant, world)
     plant.Finalize()
     own = plant.num_multibody_states(robot.instance(plant))
@@ -329,14 +293,14 @@ def _add_plant(
             f"world must not add bodies that move to the model of {robot.name}; a "
             "model instance of their own can be welded to it, or hang on its joints"
         )
-    stand_by_default(plant, robot, config.terrain)
+    stand_by_default(plant, robot, terrain)
     return plant, scene_graph
 
 
 def _add_estimator(
     builder: DiagramBuilder,
     robot: Robot,
-    config: StationConfig,
+    scenario: Scenario,
     plant: MultibodyPlant,
     signals: Mapping[str, OutputPort],
 ) -> dict[str, OutputPort]:
@@ -345,13 +309,14 @@ def _add_estimator(
     Returns:
         Their signals by name.
     """
-    step, period = config.physics_step, config.control_period
+    step, period = scenario.physics_step, scenario.control_period
+    noise = noise_model(scenario.noise)
     imu = builder.AddNamedSystem(
         "inertial_sensor",
-        InertialSensor(robot, plant, config.noise, config.seed, step, period),
+        InertialSensor(robot, plant, noise, scenario.seed, step, period),
     )
     estimator = builder.AddNamedSystem(
-        "state_estimator", StateEstimator(robot, period, config.estimator)
+        "state_estimator", StateEstimator(robot, period, scenario.estimator)
     )
     error = builder.AddNamedSystem(
         "estimation_error", EstimationError(robot, plant, period)

@@ -5,66 +5,38 @@ Wiring only; the schedule is in ``atlas_drake.simulation.tutorial``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
-from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
-from atlas_drake.diagrams.controller_socket import ControllerSource
+from atlas_drake.behaviors.registration import registered
+from atlas_drake.diagrams.atlas_station import make_atlas_station, ready
+from atlas_drake.diagrams.parts import Extend, Parts
 from atlas_drake.errors import AtlasError, shown
-from atlas_drake.robot import Robot, load_robot
-from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.scenario.world_file import View
+from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
-from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.logs.recorder import LogRecorder
-    from atlas_drake.visualization.video_display import Video
-
-
-Extend = Callable[[DiagramBuilder, Diagram], None]
-"""Adds systems to a diagram that holds a station, before it is built."""
 
 
 def make_control_mode_switch(
     robot: Robot | None = None,
+    scenario: Scenario | None = None,
     schedule: Sequence[ScheduledCommand] = (),
-    config: StationConfig | None = None,
-    meshcat: Meshcat | None = None,
-    overlays: Overlays | None = None,
-    recorded: bool = False,
-    recorder: LogRecorder | None = None,
-    video: Video | None = None,
-    *,
-    view: View | None = None,
-    controller: ControllerSource | None = None,
-    behaviors: Iterable[BehaviorEntry] = (),
-    extend: Extend | None = None,
-    world: Sequence[WorldMaker] = (),
+    parts: Parts | None = None,
+    displays: Iterable[Extend] = (),
 ) -> Diagram:
-    """Builds scheduler and station; 3D view, recorder and video if they are given.
+    """Builds scheduler and station.
 
     Args:
-        robot: Robot of the station; None is ``atlas``.
+        robot: As for ``make_atlas_station``.
+        scenario: As for ``make_atlas_station``.
         schedule: Commands of a scheduler with their times; without entries there is
             no scheduler.
-        config: Settings of the station; None for the defaults.
-        meshcat: Meshcat instance to draw in; None for no 3D view.
-        overlays: Switches of the overlays in 3D view and video.
-        recorded: True if Meshcat records.
-        recorder: Writer of a log; None for no log.
-        video: Settings of a video; None for no video.
-        view: Camera of the video; None for a camera that follows the robot.
-        controller: As for ``make_atlas_station``.
-        behaviors: As for ``make_atlas_station``.
-        world: As for ``make_atlas_station``; called for the video's scene, too.
-        extend: Called with (builder, station) before the diagram is built: adds
-            systems with names of their own, connects them to the station, exports
-            ports. It may connect the station's command ports, where no scheduler does.
+        parts: Parts of the user's own. ``extend`` adds systems with names of their own,
+            connects them to the station, exports ports. It may connect the station's
+            command ports, where no scheduler does.
+        displays: Callables (builder, station) -> None that add views and logs, before
+            ``extend`` is called.
 
     Input ports, all optional:
         atlas_command, atlas_sim_interface_command: Command ports of the station, unless
@@ -76,44 +48,37 @@ def make_control_mode_switch(
     Raises:
         AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
     """
-    robot = robot or load_robot()
-    config = config or StationConfig()
+    parts = parts or Parts()
+    own_behaviors = registered(parts.behaviors)
+    robot, scenario = ready(robot, scenario, own_behaviors)
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(
         "station",
         make_atlas_station(
-            robot, config, controller=controller, behaviors=behaviors, world=world
+            robot,
+            scenario,
+            controller=parts.controller,
+            behaviors=own_behaviors,
+            world=parts.world,
         ),
     )
     if schedule:
-        _add_scheduler(builder, station, schedule, config.control_period)
+        _add_scheduler(builder, station, schedule, scenario.control_period)
     builder.ExportInput(
         station.GetInputPort("applied_spatial_force"), "applied_spatial_force"
     )
     for index in range(station.num_output_ports()):
         port = station.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
-    if meshcat is not None:
-        # The modules for Meshcat load only with a 3D view.
-        from atlas_drake.visualization.meshcat_view import add_meshcat_view
-
-        add_meshcat_view(builder, station, robot, meshcat, overlays, recorded)
-    if recorder is not None:
-        from atlas_drake.logs.recorder import add_log_recorder
-
-        add_log_recorder(builder, station, recorder)
-    if video is not None:
-        from atlas_drake.visualization.video_display import add_video
-
-        terrain = config.terrain
-        add_video(builder, station, robot, terrain, video, world, overlays, view)
-    if extend is not None:
-        if not callable(extend):
+    for add in displays:
+        add(builder, station)
+    if parts.extend is not None:
+        if not callable(parts.extend):
             raise AtlasError(
                 "extend must be a callable (builder, station) -> None, is "
-                f"{shown(extend)}"
+                f"{shown(parts.extend)}"
             )
-        _extended(builder, station, extend)
+        _extended(builder, station, parts.extend)
     for name in COMMAND_PORTS:
         port = station.GetInputPort(name)
         if not builder.IsConnectedOrExported(port):

@@ -54,11 +54,12 @@ from atlas_drake.messages.controller_status import (
     check_status,
 )
 from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 ControllerSource: TypeAlias = System | Callable[..., System]
-"""A controller, or a callable (robot, config) -> System that makes one."""
+"""A controller, or a callable (robot, scenario) -> System that makes one."""
 EFFORT, STATUS, PATHS = "behavior_effort", "controller_status", "planned_paths"
 DELAYED = ("imu", "user_forecast")
 """Inputs that depend on the efforts, and so must not have direct feedthrough."""
@@ -145,12 +146,12 @@ def add_controller(
     builder: DiagramBuilder,
     source: ControllerSource,
     robot: Robot,
-    config: Any,
+    scenario: Scenario,
     catalog: BehaviorCatalog,
 ) -> ControllerSocket:
     """Adds a controller to a station, under the name ``controller``.
 
-    ``config`` is the ``StationConfig`` that a callable source gets.
+    A callable source gets the ``scenario``: resolved, its steps on the common grid.
 
     Raises:
         ControllerError: If the source is neither, or does not return a System; if the
@@ -160,10 +161,10 @@ def add_controller(
     if not isinstance(source, System):
         if not callable(source):
             raise ControllerError(
-                "controller must be a System or a callable (robot, config) -> System, "
-                f"is {shown(source)}"
+                "controller must be a System or a callable (robot, scenario) -> "
+                f"System, is {shown(source)}"
             )
-        controller = source(robot, config)
+        controller = source(robot, scenario)
     if not isinstance(controller, System):
         raise ControllerError(
             "the callable given as controller must return a System, returned "
@@ -187,7 +188,7 @@ def add_controller(
     if "::" in path:
         raise ControllerError(
             f"{_named(controller)} is in another diagram already, as {path}; a "
-            "callable (robot, config) -> System makes one for each"
+            "callable (robot, scenario) -> System makes one for each"
         )
     builder.AddNamedSystem(CONTROLLER, controller)
     return ControllerSocket(

@@ -36,7 +36,6 @@ def make_replay(
     overlays: Overlays | None = None,
     video: Video | None = None,
     *,
-    recorded: bool = False,
     world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds a diagram that displays a log like the run.
@@ -46,7 +45,6 @@ def make_replay(
         meshcat: Meshcat instance to draw in; None for no 3D view.
         overlays: Switches of the overlays, of ``LOGGED``.
         video: Settings of a video; None for no video.
-        recorded: True if Meshcat records, see ``add_meshcat_view``.
         world: The callables of the run's world. A log holds the appearance of the
             scenario's models, but only the motion of other models.
 
@@ -57,22 +55,20 @@ def make_replay(
     """
     builder = DiagramBuilder()
     robot = log.robot  # Loaded first, so that a missing robot is the first error.
-    world = (*world_of(log.scenario.all_models()), *world)
-    builder.AddNamedSystem("station", _make_station(log, world))
+    beside_robot = (*world_of(log.scenario.all_models()), *world)
+    builder.AddNamedSystem("station", _make_station(log, beside_robot))
     station: Any = builder.GetSubsystemByName("station")
     # The modules of displays load only if needed.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
         from atlas_drake.visualization.scene import show_start
 
-        add_meshcat_view(builder, station, robot, meshcat, overlays, recorded=recorded)
+        add_meshcat_view(builder, station, robot, meshcat, overlays)
         show_start(meshcat, log.scenario)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        scenario = log.scenario
-        terrain, view = scenario.all_terrain(), scenario.surroundings().view
-        add_video(builder, station, robot, terrain, video, world, overlays, view)
+        add_video(builder, station, robot, log.scenario, video, world, overlays)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram

@@ -9,6 +9,7 @@ import sys
 
 from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.cockpit.cockpit import open_cockpit
 from atlas_drake.cockpit.operator import Operator
 
 PIECE = 0.02  # between two looks at the controls [s]
@@ -25,19 +26,23 @@ if options.headless:
         3.5: lambda: operator.walk.steer(forward=1.0, turn=1.0),
         6.0: operator.walk.stop,
     }
-    while sim.time < 9.0:
+
+    def act(sim):
+        """Steers at the times of the script; called every 20 ms."""
         for due in [time for time in script if time <= sim.time]:
             script.pop(due)()
         operator.update(sim.time)
-        sim.advance(PIECE)
+
+    sim.hooks.append(act)
+    sim.advance_to(9.0)
     done = sim.current_behavior is Behavior.STAND and not sim.has_fallen
     steps = len(sim.footsteps)
     print(f"Atlas stands after {steps} steps." if done else "Atlas did not make it.")
     sys.exit(not done)
 
 with ctrl_c() as asked_to_stop:
-    sim = AtlasSimulation(cockpit=True)  # Prints the address of the page.
-    sim.cockpit.asked_to_stop = asked_to_stop.is_set
+    sim, cockpit = open_cockpit()  # Prints the address of the page.
+    cockpit.asked_to_stop = asked_to_stop.is_set
     while not asked_to_stop.is_set():
         sim.advance(PIECE)
 print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

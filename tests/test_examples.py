@@ -33,7 +33,7 @@ def test_examples_explain_themselves_and_are_watched_from_here_alone(run_program
     assert status == 0
     assert "--headless" in out
     text = (FOLDER / f"{name}.py").read_text()
-    assert "view=" in text or "cockpit=" in text
+    assert "view=" in text or "open_cockpit(" in text
     assert "eshcat(" not in text
 
 

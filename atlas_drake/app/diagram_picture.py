@@ -73,7 +73,7 @@ def write_diagram_picture(path: Path) -> None:
         )
     robot = load_robot()
     schedule = tutorial_schedule(robot)
-    source = graphviz_source(make_control_mode_switch(robot, schedule))
+    source = graphviz_source(make_control_mode_switch(robot, schedule=schedule))
     try:
         if path.suffix == ".dot":
             path.write_text(source)

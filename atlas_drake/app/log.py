@@ -138,9 +138,8 @@ def replay_log(options: argparse.Namespace) -> int:
     diagram = make_replay(
         log,
         meshcat,
-        Overlays(options.show),
+        Overlays(options.show, recorded=options.record is not None),
         video,
-        recorded=options.record is not None,
     )
     filmed: Any = None if video is None else diagram.GetSubsystemByName("video")
     simulator = Simulator(diagram)

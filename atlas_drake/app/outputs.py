@@ -153,7 +153,9 @@ def video_asked_for(options: argparse.Namespace) -> Video | None:
     return Video(options.video, *options.video_size)
 
 
-def open_cockpit(options: argparse.Namespace, show: Overlays) -> Cockpit | None:
+def cockpit_asked_for(
+    options: argparse.Namespace, overlays: Overlays
+) -> Cockpit | None:
     """Serves the cockpit, if it is asked for.
 
     Raises:
@@ -166,7 +168,7 @@ def open_cockpit(options: argparse.Namespace, show: Overlays) -> Cockpit | None:
         raise ScenarioError("--cockpit", True, "cannot be used with --headless")
     from atlas_drake.cockpit.cockpit import Cockpit
 
-    return Cockpit(options.host, options.port, show)
+    return Cockpit(options.host, options.port, overlays)
 
 
 def open_view(

@@ -13,17 +13,17 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
+    cockpit_asked_for,
     invite_viewer,
     keep_files,
     keep_recording,
     keep_text,
-    open_cockpit,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -40,12 +40,17 @@ from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
+if TYPE_CHECKING:
+    from atlas_drake.cockpit.cockpit import Cockpit
+
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
 AFTER_FALL = 2.0
 """Time after a fall at which the run ends [s]."""
 
-Simulate = Callable[[AtlasSimulation, Progress], str | None]
+Simulate: TypeAlias = (
+    "Callable[[AtlasSimulation, Progress, Cockpit | None], str | None]"
+)
 """Simulates a run; returns None, or why it ended early, other than by a fall."""
 
 
@@ -114,27 +119,27 @@ def run_scenario(
 
     parts = load_parts(options.parts)
     progress = Progress(sys.stdout, scenario.duration if end is None else end)
-    overlays = Overlays(options.show)
-    cockpit = open_cockpit(options, overlays)
+    overlays = Overlays(options.show, recorded=options.record is not None)
+    cockpit = cockpit_asked_for(options, overlays)
     meshcat = open_view(options, progress, cockpit)
     sim = AtlasSimulation(
         scenario,
         view=meshcat,
-        cockpit=cockpit,
-        recorded=options.record is not None,
         video=video,
         on_event=progress.event,
         overlays=overlays,
         log=options.log,
         **parts,
     )
+    if cockpit is not None:
+        cockpit.join(sim)
     invite_viewer(cockpit or meshcat, options, progress)
     if options.realtime_rate is not None or not sim.realtime_rate:
         sim.set_realtime_rate(realtime_rate(options))
 
     with nothing_cut_off():
         try:
-            stopped = (simulate or _simulate)(sim, progress)
+            stopped = (simulate or _simulate)(sim, progress, cockpit)
         finally:
             # Also after a second Ctrl-C: unfinished files cannot be read.
             kept = keep_files(sim, options, progress)
@@ -172,7 +177,9 @@ INTERRUPTED = "interrupted"
 """Value of the summary's ``stopped`` after Ctrl-C."""
 
 
-def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
+def _simulate(
+    sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
+) -> str | None:
     """Advances to the scenario's end.
 
     Returns:
@@ -180,7 +187,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
     """
     end = sim.scenario.duration
     with ctrl_c() as asked_to_stop:
-        end_pause_on(asked_to_stop, sim)
+        end_pause_on(asked_to_stop, cockpit)
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -193,10 +200,10 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         return INTERRUPTED if asked_to_stop.is_set() else None
 
 
-def end_pause_on(asked_to_stop: threading.Event, sim: AtlasSimulation) -> None:
+def end_pause_on(asked_to_stop: threading.Event, cockpit: Cockpit | None) -> None:
     """Lets Ctrl-C end a pause in the cockpit, if there is one."""
-    if sim.cockpit is not None:
-        sim.cockpit.asked_to_stop = asked_to_stop.is_set
+    if cockpit is not None:
+        cockpit.asked_to_stop = asked_to_stop.is_set
 
 
 def end_after_fall(sim: AtlasSimulation) -> float:

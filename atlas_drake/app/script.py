@@ -11,7 +11,7 @@ import math
 import sys
 import threading
 from collections.abc import Callable
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
@@ -27,6 +27,9 @@ from atlas_drake.app.run import (
 from atlas_drake.ros_scripts.program import Program
 from atlas_drake.simulation import AtlasSimulation
 
+if TYPE_CHECKING:
+    from atlas_drake.cockpit.cockpit import Cockpit
+
 
 def run_script(options: argparse.Namespace) -> int:
     """Runs a program on the robot of a scenario; returns the exit status.
@@ -39,8 +42,10 @@ def run_script(options: argparse.Namespace) -> int:
     program = Program(options.file, options.arguments)
     end = math.inf if options.duration is None else options.duration
 
-    def simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
-        return _simulate(sim, progress, program, options.duration)
+    def simulate(
+        sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
+    ) -> str | None:
+        return _simulate(sim, progress, cockpit, program, options.duration)
 
     status = run_scenario(scenario, options, simulate, end)
     if status == exit_status.FAILED and program.at_fault:
@@ -49,7 +54,11 @@ def run_script(options: argparse.Namespace) -> int:
 
 
 def _simulate(
-    sim: AtlasSimulation, progress: Progress, program: Program, duration: float | None
+    sim: AtlasSimulation,
+    progress: Progress,
+    cockpit: Cockpit | None,
+    program: Program,
+    duration: float | None,
 ) -> str | None:
     """Runs the program, then simulates until ``duration`` [s] if it is given."""
     end = math.inf if duration is None else duration
@@ -62,7 +71,7 @@ def _simulate(
         print(text, file=sys.stderr)
 
     with ctrl_c(may_interrupt) as asked_to_stop, _shared_output(progress):
-        end_pause_on(asked_to_stop, sim)
+        end_pause_on(asked_to_stop, cockpit)
         ended = _watcher(sim, progress, asked_to_stop)
         try:
             problem = program.run(sim, ended, end, progress.say, complain)

@@ -42,22 +42,25 @@ def run_teleop(options: argparse.Namespace) -> int:
     cockpit.next_run.why_not = ""
 
     def build(scenario: Scenario, cockpit: Cockpit | None) -> AtlasSimulation:
-        parts = load_parts(options.parts)
-        return AtlasSimulation(
-            scenario, cockpit=cockpit, on_event=progress.event, **parts
-        )
+        arguments = load_parts(options.parts)
+        if cockpit is not None:
+            arguments |= {"view": cockpit.meshcat, "overlays": cockpit.overlays}
+        sim = AtlasSimulation(scenario, on_event=progress.event, **arguments)
+        if cockpit is not None:
+            cockpit.join(sim)
+        return sim
 
     sim = build(scenario, cockpit)
     sim.set_realtime_rate(1.0)
     with ctrl_c() as asked_to_stop:
-        end_pause_on(asked_to_stop, sim)
+        end_pause_on(asked_to_stop, cockpit)
         progress.say(f"Steer at {cockpit.web_url()} (Ctrl-C here ends it).")
         if interactive():
             open_on_desktop(cockpit.web_url())
-        failure = _steer(sim, progress, options.duration, asked_to_stop)
+        failure = _steer(sim, cockpit, progress, options.duration, asked_to_stop)
         while (asked := cockpit.next_run.take()) is not None:
             sim = followed(sim, asked, build, cockpit, progress)
-            failure = _steer(sim, progress, options.duration, asked_to_stop)
+            failure = _steer(sim, cockpit, progress, options.duration, asked_to_stop)
     summary = sim.summary()
     # Teleoperation has no goal to judge; only an error counts as a failure.
     summary["stopped"] = failure or INTERRUPTED
@@ -94,6 +97,7 @@ def followed(
 
 def _steer(
     sim: AtlasSimulation,
+    cockpit: Cockpit,
     progress: Progress,
     end: float,
     asked_to_stop: threading.Event,
@@ -101,7 +105,7 @@ def _steer(
     """Runs until the end, Ctrl-C or another scenario; returns the error, if any."""
     try:
         while sim.time < end - 1e-9 and not asked_to_stop.is_set():
-            if sim.cockpit is not None and sim.cockpit.next_run.scenario is not None:
+            if cockpit.next_run.scenario is not None:
                 return None
             sim.advance_to(min(sim.time + PIECE, end))
             progress.update(sim.time, sim.current_behavior.name)

@@ -7,7 +7,7 @@ import subprocess
 import time
 import weakref
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
 
@@ -23,11 +23,10 @@ from atlas_drake.cockpit.setting_list import settings_card
 from atlas_drake.cockpit.settings import SettingsCard
 from atlas_drake.cockpit.state import RunCard, RunState
 from atlas_drake.errors import AtlasError
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import start_meshcat
-
-if TYPE_CHECKING:
-    from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.visualization.viewer import await_viewer, start_meshcat
 
 PERIOD = 0.1
 """Wall time between two states [s]."""
@@ -59,6 +58,11 @@ class States(Protocol):
 
 class Cockpit:
     """The page of one simulation, and of those that follow it.
+
+    Example:
+        >>> cockpit = Cockpit()
+        >>> sim = AtlasSimulation(view=cockpit.meshcat, overlays=cockpit.overlays)
+        >>> cockpit.join(sim)
 
     Attributes:
         meshcat: The 3D view in the page.
@@ -109,6 +113,7 @@ class Cockpit:
         self.asked_to_stop: Callable[[], bool] = lambda: False
         self.next_run = NextRun()
         self.recording = RecordingControls(self.meshcat)
+        self._joined: AtlasSimulation | None = None
         self._viewers = 0
         self._acknowledged = True
         self._sent_at = 0.0
@@ -125,7 +130,17 @@ class Cockpit:
         return self._viewers
 
     def join(self, sim: AtlasSimulation) -> None:
-        """Shows and commands a simulation from now on."""
+        """Shows and commands a simulation from now on, in place of the one before.
+
+        Args:
+            sim: A simulation whose view is ``meshcat``, with ``overlays``.
+        """
+        if self._joined is not None:
+            self._joined.hooks.remove(self.attend)
+        self._joined = sim
+        sim.hooks.append(self.attend)
+        if self.overlays.recorded:
+            self.recording.why_not = "the whole run is recorded already"
         self.operator = Operator(sim, self.overlays, self.next_run, self.recording)
         self._plan_marks = PlanMarks(self.meshcat, sim.robot)
         observer = Observer(sim, self.operator)
@@ -160,7 +175,7 @@ class Cockpit:
     def attend(self, sim: AtlasSimulation) -> None:
         """Carries out orders and shows the state; does not return while paused.
 
-        The simulation calls it every 20 ms of simulated time.
+        A hook of the simulation.
         """
         clock = self.operator.clock
         while True:
@@ -212,6 +227,34 @@ class Cockpit:
         self._events_seen = state.event_count
         self._acknowledged, self._sent_at = False, now
         self._link.send(state)
+
+
+def open_cockpit(
+    scenario: Scenario | None = None,
+    overlays: Overlays | None = None,
+    **arguments: Any,
+) -> tuple[AtlasSimulation, Cockpit]:
+    """Builds a simulation with a page in the browser that shows and commands it.
+
+    Prints the address, gives a browser the time to open, and lets the run keep to real
+    time.
+
+    Args:
+        scenario: As for ``AtlasSimulation``.
+        overlays: What the 3D view shows.
+        **arguments: Further ones of ``AtlasSimulation``, but for ``view``.
+
+    Raises:
+        CockpitError: If the optional packages are missing, or the page cannot be
+            served; other errors are those of ``AtlasSimulation``.
+    """
+    cockpit = Cockpit(overlays=overlays)
+    view, overlays = cockpit.meshcat, cockpit.overlays
+    sim = AtlasSimulation(scenario, view=view, overlays=overlays, **arguments)
+    cockpit.join(sim)
+    await_viewer(cockpit)
+    sim.set_realtime_rate(sim.realtime_rate or 1.0)
+    return sim, cockpit
 
 
 START_PATIENCE = 30.0

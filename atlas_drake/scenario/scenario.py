@@ -39,7 +39,11 @@ from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
-from atlas_drake.scenario.time_grid import is_multiple, nominal_period
+from atlas_drake.scenario.time_grid import (
+    is_multiple,
+    nominal_period,
+    on_common_grid,
+)
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
@@ -225,8 +229,7 @@ class Scenario(CheckedOnce):
         """Returns a valid copy in which every field is as a simulation uses it.
 
         A path of a robot's file is absolute, so that it is valid in another working
-        folder, too. The steps stay as they were given; a station rounds both to a
-        common grid.
+        folder, too. Both steps stay as they were given, see ``on_time_grid``.
 
         Args:
             behaviors: Entries of the user's own behaviors.
@@ -243,6 +246,18 @@ class Scenario(CheckedOnce):
             control_period=period,
             plant=plant,
             controller=valid.controller_config(behaviors),
+        ).mark_checked()
+
+    def on_time_grid(self) -> "Scenario":
+        """Returns a resolved scenario with the steps that a station simulates.
+
+        Multiples of its physics step and its control period meet exactly, see
+        ``time_grid``; both differ from the given ones by a relative error below 1e-9.
+        """
+        step, period = on_common_grid(self.physics_step, self.control_period)
+        plant = checked_plant_config(self.plant, step)
+        return replace(
+            self, physics_step=step, control_period=period, plant=plant
         ).mark_checked()
 
     def validate(self) -> "Scenario":

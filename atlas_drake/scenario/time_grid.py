@@ -34,30 +34,12 @@ def on_common_grid(physics_step: float, control_period: float) -> tuple[float, f
 
     Args:
         physics_step: Step of plant and joint controllers [s].
-        control_period: A whole multiple of ``physics_step`` up to rounding [s]; 0 for
-            the multiple that is nearest to ``NOMINAL_PERIOD``.
+        control_period: A whole multiple of ``physics_step`` up to rounding [s].
 
     Returns:
         The same pair if its multiples coincide, as for every ratio that is a power of
         two; otherwise a pair that differs from it by a relative error below 1e-9.
-
-    Raises:
-        ValueError: If one is not positive and finite, or the period is no multiple of
-            the step.
     """
-    if not (0.0 < physics_step < np.inf and 0.0 <= control_period < np.inf):
-        raise ValueError(
-            f"physics_step ({physics_step} s) must be positive and finite, "
-            f"control_period ({control_period} s) as well, or 0"
-        )
-    if not is_multiple(control_period, physics_step):
-        raise ValueError(
-            f"control_period ({control_period} s) must be a whole multiple of "
-            f"physics_step ({physics_step} s), or 0 for the nearest to "
-            f"{NOMINAL_PERIOD} s"
-        )
-    if control_period == 0.0:
-        control_period = nominal_period(physics_step)
     ratio = round(control_period / physics_step)
     # Each multiple is rounded once: equal numbers have equal multiples.
     if Fraction(control_period) == ratio * Fraction(physics_step):

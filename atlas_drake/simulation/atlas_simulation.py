@@ -22,8 +22,8 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import checked
-from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
+from atlas_drake.diagrams.parts import Extend, Parts
 from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
@@ -47,6 +47,7 @@ from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
+from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.restart import check_restart, start_of_reset
 from atlas_drake.simulation.run_log import RunLog
@@ -56,12 +57,12 @@ from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
-    from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.visualization.video_display import Video
-    from atlas_drake.visualization.viewer import Served
 
 CHUNK = 0.02
-"""Simulated time between looks at events and Ctrl-C [s]."""
+"""Simulated time between two calls of the hooks [s]."""
+Hook = Callable[["AtlasSimulation"], object]
+"""Called between two chunks of an advance."""
 
 
 class AtlasSimulation:
@@ -80,7 +81,10 @@ class AtlasSimulation:
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
         meshcat: Meshcat of the 3D view, None without a view.
-        cockpit: The cockpit that shows and commands the run, None without one.
+        hooks: Callables (sim) -> None, called in their order by the thread that
+            advances, every 20 ms of simulated time. They may publish, push, wait,
+            reset and restore; when one goes back in time, the advance still lasts as
+            long as was asked. This is how clients such as the cockpit join.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -97,12 +101,10 @@ class AtlasSimulation:
         *,
         controller: ControllerSource | None = None,
         behaviors: Iterable[BehaviorEntry] = (),
-        world: Sequence[WorldMaker] = (),
+        world: Iterable[WorldMaker] = (),
         extend: Extend | None = None,
         view: bool | Meshcat | None = None,
-        cockpit: bool | Cockpit | None = None,
         overlays: Overlays | None = None,
-        recorded: bool = False,
         video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
@@ -113,8 +115,8 @@ class AtlasSimulation:
             scenario: The scenario to simulate; it is copied. None is a robot that
                 stands, without a schedule.
             controller: Replaces the shipped controller: a System, or a callable
-                (robot, config: StationConfig) -> System. See
-                ``atlas_drake.diagrams.controller_socket`` for its ports.
+                (robot, scenario) -> System. See
+                ``atlas_drake.diagrams.controller_socket``.
             behaviors: Behaviors added to those of the shipped controller, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
             world: Callables (plant) -> None that add models beside the robot before the
@@ -124,14 +126,7 @@ class AtlasSimulation:
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
                 ``atlas_drake.visualization.viewer``. None and False show nothing.
-            cockpit: True opens a page in the browser that shows and commands the run,
-                prints its address, and shows the run in real time; it has the 3D view
-                in it. A Cockpit of yours is used at full speed. Needs
-                ``atlas-drake[cockpit]``.
             overlays: Plans of the controller that are shown there and in the video.
-            recorded: True if Meshcat is recording already; then every picture is kept
-                for the recording. Otherwise pictures are left out while a viewer is too
-                slow for them, and a recording that runs then is lost.
             video: Attaches a video of the run; None films nothing.
             on_event: Called with each event as it is noticed.
             log: Attaches a file that records the run, see ``atlas_drake.logs``: .mcap,
@@ -147,43 +142,24 @@ class AtlasSimulation:
             WorldError: If the world cannot be added, or the robot would begin inside
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
-            CockpitError: If the cockpit cannot be opened.
         """
-        self.cockpit: Cockpit | None = _opened(cockpit, overlays)
-        if self.cockpit is not None:
-            view, overlays = self.cockpit.meshcat, self.cockpit.overlays
-        parts = build(
-            scenario,
-            controller=controller,
-            behaviors=behaviors,
-            world=world,
-            extend=extend,
-            view=view,
-            overlays=overlays,
-            recorded=recorded,
-            video=video,
-            on_event=on_event,
-            log=log,
-        )
-        self.scenario, self.behaviors = parts.scenario, parts.behaviors
-        self.meshcat, self._sinks = parts.meshcat, parts.sinks
-        self._run, self._schedule = parts.run, parts.schedule
-        self._own_behaviors = parts.own_behaviors
+        parts = Parts(controller, behaviors, world, extend)
+        outputs = Outputs(view, overlays, video, log, on_event)
+        built = build(scenario, parts, outputs)
+        self.scenario, self.behaviors = built.scenario, built.behaviors
+        self.meshcat, self._sinks = built.meshcat, built.sinks
+        self._run, self._schedule = built.run, built.schedule
+        self._own_behaviors = built.own_behaviors
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
+        self.hooks: list[Hook] = []
         self._lock = FairLock()
         self._note_begin()
-        page: Served | None = self.meshcat if view is True else None
-        if self.cockpit is not None:
-            if recorded:
-                self.cockpit.recording.why_not = "the whole run is recorded already"
-            self.cockpit.join(self)
-            page = self.cockpit if cockpit is True else None
-        if page is not None:
+        if view is True and self.meshcat is not None:
             from atlas_drake.visualization.viewer import await_viewer
 
-            await_viewer(page)
+            await_viewer(self.meshcat)
             if not self.realtime_rate:
                 self.set_realtime_rate(1.0)
 
@@ -341,8 +317,7 @@ class AtlasSimulation:
         try:
             with steady_ticks(), self._noted_error():
                 while self.time < end - 1e-9:
-                    if self.cockpit is not None:
-                        end += self._attend()
+                    end += self._call_hooks()
                     with self._lock:
                         # Another thread may have had a turn meanwhile.
                         if self.time < end - 1e-9:
@@ -351,14 +326,11 @@ class AtlasSimulation:
         finally:
             self._wall_time += time.perf_counter() - begin
 
-    def _attend(self) -> float:
-        """Lets the cockpit command; returns how far time went back then [s], <= 0.
-
-        A run that begins anew goes on as long as the one before would have.
-        """
-        assert self.cockpit is not None
+    def _call_hooks(self) -> float:
+        """Calls the hooks; returns how far they went back in time [s], <= 0."""
         before = self.time
-        self.cockpit.attend(self)
+        for hook in tuple(self.hooks):
+            hook(self)
         return min(self.time - before, 0.0)
 
     def wait_until(
@@ -660,14 +632,3 @@ class AtlasSimulation:
         except Exception as error:  # Not itself: its traceback holds the simulation.
             self._error = f"{type(error).__name__}: {error}"
             raise
-
-
-def _opened(
-    cockpit: bool | Cockpit | None, overlays: Overlays | None
-) -> Cockpit | None:
-    """Returns the cockpit that is asked for, if any."""
-    if cockpit is not True:
-        return cockpit or None
-    from atlas_drake.cockpit.cockpit import Cockpit
-
-    return Cockpit(overlays=overlays)

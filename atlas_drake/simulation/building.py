@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from array import array
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,31 +15,28 @@ from pydrake.geometry import Meshcat
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.diagrams.atlas_station import StationConfig
-from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
-from atlas_drake.diagrams.controller_socket import ControllerSource
+from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.diagrams.parts import Extend, Parts
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasCommand
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
-from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.models import world_of
-from atlas_drake.scenario.noise import noise_model
-from atlas_drake.scenario.world import WorldMaker, listed
+from atlas_drake.scenario.world import listed
+from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.sinks import FileSink, Listener, Sink
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
-from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.logs.recorder import LogRecorder
 
 
 @dataclass(frozen=True)
 class Built:
-    """The parts of a simulation.
+    """What a simulation consists of.
 
     Attributes:
         scenario: The resolved scenario.
@@ -60,76 +57,47 @@ class Built:
     meshcat: Meshcat | None
 
 
-def build(
-    scenario: Scenario | None,
-    *,
-    controller: ControllerSource | None,
-    behaviors: Iterable[BehaviorEntry],
-    world: Sequence[WorldMaker],
-    extend: Extend | None,
-    view: bool | Meshcat | None,
-    overlays: Overlays | None,
-    recorded: bool,
-    video: Video | None,
-    on_event: Callable[[Event], None] | None,
-    log: str | Path | None,
-) -> Built:
-    """Builds the parts; arguments and errors are those of ``AtlasSimulation``."""
-    _check_arguments(
-        scenario=scenario,
-        view=view,
-        overlays=overlays,
-        video=video,
-        on_event=on_event,
-        log=log,
-    )
-    own = registered(behaviors)
+def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
+    """Builds a simulation; errors are those of ``AtlasSimulation``."""
+    if scenario is not None and not isinstance(scenario, Scenario):
+        raise TypeError(
+            f"scenario must be a Scenario, is {shown(scenario)}; load_scenario reads "
+            "one from a file"
+        )
+    own = registered(parts.behaviors)
+    parts = replace(parts, behaviors=own, world=listed(parts.world))
     scenario = (scenario or Scenario()).resolved(own)
     robot = load_robot(scenario.model)
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
     schedule = _schedule(scenario, robot, catalog)
-    world = (*world_of(scenario.all_models()), *listed(world))
+    world = (*world_of(scenario.all_models()), *parts.world)
     tick_seconds = array("d")
     # The modules for logs and views load only with a log or a view.
     with ExitStack() as on_error:
         recorder = None
-        if log is not None:
+        if outputs.log is not None:
             from atlas_drake.logs.recorder import start_recorder
 
-            recorder = start_recorder(
-                Path(log), scenario, robot, world, tick_seconds, own
-            )
+            path = Path(outputs.log)
+            recorder = start_recorder(path, scenario, robot, world, tick_seconds, own)
             on_error.callback(recorder.close)
-        meshcat = view or None
+        meshcat = outputs.view or None
         if meshcat is True:
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        diagram = make_control_mode_switch(
-            robot,
-            schedule,
-            _station_config(scenario),
-            meshcat,
-            overlays,
-            recorded,
-            recorder,
-            video,
-            view=scenario.surroundings().view,
-            controller=controller,
-            behaviors=own,
-            extend=extend,
-            world=world,
-        )
+        displays = _displays(robot, scenario, parts, outputs, meshcat, recorder)
+        diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
         run = RunDiagram(robot, scenario, diagram, bool(world), tick_seconds)
         on_error.pop_all()
     sinks: list[Sink] = []
     if recorder is not None:
-        sinks.append(FileSink(Path(str(log)), recorder))
-    if video is not None:
+        sinks.append(FileSink(path, recorder))
+    if outputs.video is not None:
         film: Any = diagram.GetSubsystemByName("video")
-        sinks.append(FileSink(video.path, film))
-    if on_event is not None:
-        sinks.append(Listener(on_event))
+        sinks.append(FileSink(outputs.video.path, film))
+    if outputs.on_event is not None:
+        sinks.append(Listener(outputs.on_event))
     if meshcat is not None:
         from atlas_drake.visualization.scene import show_start
 
@@ -137,45 +105,35 @@ def build(
     return Built(scenario, catalog, own, schedule, run, sinks, meshcat)
 
 
-_RULES: dict[str, tuple[Any, str]] = {
-    "scenario": (Scenario, "a Scenario{}; load_scenario reads one from a file"),
-    "view": (bool | Meshcat, "True, False or a Meshcat of pydrake.geometry{}"),
-    "overlays": (
-        Overlays,
-        "Overlays of atlas_drake.visualization.overlays{}, such as "
-        "Overlays(['com', 'dcm'])",
-    ),
-    "on_event": (Callable, "a callable (event) -> None{}"),
-    "log": (str | os.PathLike, "the name of a file{}, such as 'run.npz'"),
-}
-"""Type of each argument that no other part checks, and what an error says around the
-given value."""
+def _displays(
+    robot: Robot,
+    scenario: Scenario,
+    parts: Parts,
+    outputs: Outputs,
+    meshcat: Meshcat | None,
+    recorder: LogRecorder | None,
+) -> Iterator[Extend]:
+    """Yields what adds 3D view, log and video to a diagram, as far as there are any."""
+    overlays = outputs.overlays
+    if meshcat is not None:
+        from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
+        yield partial(add_meshcat_view, robot=robot, meshcat=meshcat, overlays=overlays)
+    if recorder is not None:
+        from atlas_drake.logs.recorder import add_log_recorder
 
-def _check_arguments(**arguments: object) -> None:
-    """Checks the types of arguments; None is valid.
+        yield partial(add_log_recorder, recorder=recorder)
+    if outputs.video is not None:
+        from atlas_drake.visualization.video_display import add_video
 
-    Raises:
-        TypeError: Naming the argument and a correct value.
-    """
-    rules = dict(_RULES)
-    if arguments["video"] is not None:
-        # The modules for video are loaded only for a run with a video.
-        from atlas_drake.visualization.video_display import Video
-
-        rules["video"] = (
-            Video,
-            "a Video of atlas_drake.visualization.video_display{}, such as "
-            "Video('run.mp4')",
+        yield partial(
+            add_video,
+            robot=robot,
+            scenario=scenario,
+            video=outputs.video,
+            world=parts.world,
+            overlays=overlays,
         )
-    for name, value in arguments.items():
-        if value is None:
-            continue
-        kind, requirement = rules[name]
-        if not isinstance(value, kind):
-            raise TypeError(
-                f"{name} must be {requirement.format(f', is {shown(value)}')}"
-            )
 
 
 def _schedule(
@@ -200,23 +158,3 @@ def _schedule(
         text = entry.text or f"[{kind}]"
         schedule.append(ScheduledCommand(entry.time, message, text))
     return tuple(sorted(schedule, key=lambda entry: entry.time))
-
-
-def _station_config(scenario: Scenario) -> StationConfig:
-    """Returns what of a scenario concerns the station."""
-    return StationConfig(
-        physics_step=scenario.physics_step,
-        control_period=scenario.control_period,
-        ground_friction=scenario.ground_friction,
-        terrain=tuple(scenario.all_terrain()),
-        plant=scenario.plant,
-        controller=scenario.controller_config(),
-        estimator=scenario.estimator,
-        noise=noise_model(scenario.noise),
-        harness=scenario.harness,
-        seed=scenario.seed,
-        initial_behavior=scenario.behavior(),
-        harnessed=scenario.start.harnessed,
-        estimated=scenario.state == "estimated",
-        pushes=tuple(scenario.pushes),
-    )

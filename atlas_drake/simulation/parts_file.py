@@ -8,12 +8,14 @@ from __future__ import annotations
 import runpy
 import sys
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from atlas_drake.diagrams.parts import Parts
 from atlas_drake.errors import AtlasError, ScenarioError
 
-PARTS = ("controller", "behaviors", "world", "extend")
+PARTS = tuple(field.name for field in fields(Parts))
 """Names that a file may define, those of arguments of ``AtlasSimulation``."""
 
 

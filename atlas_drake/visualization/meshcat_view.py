@@ -33,17 +33,16 @@ class MeshcatView(CollectableSystem):
 
     __slots__ = ()
 
-    def __init__(
-        self, meshcat: Meshcat, robot: Robot, overlays: Overlays, recorded: bool
-    ) -> None:
-        """Draws in ``meshcat`` what is switched on; ``recorded`` as in ``Marks``."""
+    def __init__(self, meshcat: Meshcat, robot: Robot, overlays: Overlays) -> None:
+        """Draws in ``meshcat`` what is switched on."""
         super().__init__()
+        recorded = overlays.recorded
         self._ports = ViewPorts(self, robot, overlays, PATHS_EVERY)
         footstep = partial(draw_footstep, meshcat, sole_outline(robot.file.sole))
         line = partial(draw_line, meshcat)
         self._footsteps = Marks(meshcat, "/atlas_drake/footsteps", footstep, recorded)
         self._caption = Marks(meshcat, f"{CAMERA}/caption", line, recorded)
-        self._following = Following(meshcat, overlays, recorded)
+        self._following = Following(meshcat, overlays)
         self._shapes = OverlayMarks(meshcat, recorded)
         self._colors = ControlColors(meshcat, VISUALIZER, robot)
         self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._publish)
@@ -67,7 +66,6 @@ def add_meshcat_view(
     robot: Robot,
     meshcat: Meshcat,
     overlays: Overlays | None = None,
-    recorded: bool = False,
 ) -> None:
     """Adds the robot's visualiser, footsteps, overlays and caption, and sets the scene.
 
@@ -77,7 +75,6 @@ def add_meshcat_view(
         robot: Robot of the station.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
-        recorded: See ``Marks``.
     """
     prepare_scene(meshcat)
     MeshcatVisualizer.AddToBuilder(
@@ -88,5 +85,5 @@ def add_meshcat_view(
             publish_period=PERIOD, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    view = MeshcatView(meshcat, robot, overlays or Overlays(), recorded)
+    view = MeshcatView(meshcat, robot, overlays or Overlays())
     add_view(builder, station, "meshcat_view", view)

@@ -35,14 +35,23 @@ class Overlays:
 
     It may change while the simulation runs. It belongs to the view, as with Drake's own
     visualisers, and not to the Context.
+
+    Attributes:
+        recorded: True if Meshcat is recording already when the view is built. Then
+            every picture is kept for the recording, and the recording has all overlays.
     """
 
-    def __init__(self, on: Iterable[str] = ()) -> None:
+    def __init__(self, on: Iterable[str] = (), *, recorded: bool = False) -> None:
         """Switches overlays on.
+
+        Args:
+            on: Keys of ``OVERLAYS``.
+            recorded: See the attribute.
 
         Raises:
             ScenarioError: If there is no such overlay.
         """
+        self.recorded = recorded
         self._on: set[str] = set()
         for name in on:
             self.switch(name, True)

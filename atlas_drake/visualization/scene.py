@@ -148,19 +148,19 @@ class Following:
     cannot hold the motion of the light, the scene stays where the robot begins.
     """
 
-    def __init__(self, meshcat: Meshcat, overlays: Overlays, recorded: bool) -> None:
-        """Follows in ``meshcat``; ``recorded`` as in ``Marks``."""
+    def __init__(self, meshcat: Meshcat, overlays: Overlays) -> None:
+        """Follows in ``meshcat``."""
         self._meshcat = meshcat
         self._overlays = overlays
-        self._recorded = recorded
         self._scene: tuple[float, float] | None = None
         self._target: np.ndarray | None = None
 
     def show(self, report: AtlasSimInterfaceState) -> None:
         """Looks at the robot, once per picture."""
         x, y, _ = map(float, report.pos_est.position.to_array())
+        recorded = self._overlays.recorded
         if self._scene is None or (
-            not self._recorded and math.dist((x, y), self._scene) > LEAST_MOVE
+            not recorded and math.dist((x, y), self._scene) > LEAST_MOVE
         ):
             self._scene = x, y
             center_at(self._meshcat, x, y)

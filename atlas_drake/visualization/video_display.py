@@ -5,7 +5,7 @@ Reads ports and passes pictures to a file; filming never changes the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from os import PathLike
@@ -21,6 +21,8 @@ from pydrake.systems.framework import Context, DiagramBuilder, System
 from atlas_drake.errors import shown
 from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
@@ -206,20 +208,27 @@ def add_video(
     builder: DiagramBuilder,
     station: System,
     robot: Robot,
-    terrain: Sequence[Block],
+    scenario: Scenario,
     video: Video,
-    world: Sequence[WorldMaker] = (),
+    world: Iterable[WorldMaker] = (),
     overlays: Overlays | None = None,
-    view: View | None = None,
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
-    Arguments as for ``VideoDisplay``; ``station`` is an AtlasStation, or the replay of
-    one.
+    Args:
+        builder: Builder of the diagram that holds the station.
+        station: An AtlasStation, or the replay of one.
+        robot: Robot in the picture.
+        scenario: Its terrain, models and camera are in the picture.
+        video: Settings of the video.
+        world: Models beside those of the scenario.
+        overlays: Switches of the overlays.
 
     Raises:
         VideoError: If the video cannot be made.
     """
     overlays = overlays or Overlays()
+    terrain, view = scenario.all_terrain(), scenario.surroundings().view
+    world = (*world_of(scenario.all_models()), *world)
     display = VideoDisplay(video, robot, terrain, world, overlays, view)
     add_view(builder, station, "video", display)

@@ -20,7 +20,7 @@ from atlas_drake import AtlasSimulation, ControllerStatus, Event, read_log
 class Fainting(LeafSystem):
     """Joint springs, of which those of the ankles end at a given time."""
 
-    def __init__(self, robot, config, faint_at=1.0):
+    def __init__(self, robot, scenario, faint_at=1.0):
         super().__init__()
         self._robot, self._faint_at = robot, faint_at
         plant = robot.make_plant()

@@ -18,7 +18,7 @@ from atlas_drake import AtlasSimulation
 class GravityCompensatedPd(LeafSystem):
     """Holds the stand-prep pose: τ = kp (q₀ - q) - kd v + gravity - Jᵀ f."""
 
-    def __init__(self, robot, config):
+    def __init__(self, robot, scenario):
         """Takes the robot, and the station's settings, which are not used here."""
         super().__init__()
         self._robot = robot

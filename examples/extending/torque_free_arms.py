@@ -27,10 +27,10 @@ class TorqueFreeArms(LeafSystem):
         output.SetFromVector(np.where(self._arms, 0.0, effort))
 
 
-def make_controller(robot, config):
+def make_controller(robot, scenario):
     """Wires the shipped controller and the system behind it; the station calls it."""
     builder = DiagramBuilder()
-    ours = builder.AddNamedSystem("ours", make_whole_body_controller(robot, config))
+    ours = builder.AddNamedSystem("ours", make_whole_body_controller(robot, scenario))
     free = builder.AddNamedSystem("torque_free_arms", TorqueFreeArms(robot))
     builder.Connect(ours.GetOutputPort("behavior_effort"), free.GetInputPort("ours"))
     for index in range(ours.num_input_ports()):

@@ -89,7 +89,7 @@ def test_help_names_the_behaviors_that_it_brings(form, parts, capsys):
         ("world = 3", "world must be a list"),
         ("behaviors = None", "must be a list of BehaviorEntry values"),
         ("raise SystemExit(0)", "failed: SystemExit"),
-        ("def controller(robot, config): 1 / 0", "controller of {} failed: ZeroDiv"),
+        ("def controller(robot, scenario): 1 / 0", "controller of {} failed: ZeroDiv"),
         ("def add(plant): plant.fly()\nworld = [add]", "world[0] of {} failed: Attrib"),
         (MAKE, "behaviors[0].make of {} failed: KeyError"),
         (TAKEN, "extend adds what Drake cannot build: System _ already has an output"),

@@ -157,8 +157,8 @@ def record_thoughts(folder):
     meshcat.StartRecording(
         frames_per_second=FRAME_RATE, set_visualizations_while_recording=False
     )
-    overlays = Overlays(overlays_from("all"))
-    sim = AtlasSimulation(view=meshcat, overlays=overlays, recorded=True)
+    overlays = Overlays(overlays_from("all"), recorded=True)
+    sim = AtlasSimulation(view=meshcat, overlays=overlays)
     command = AtlasSimInterfaceCommand()
     command.behavior = command.WALK
     command.walk_params.use_demo_walk = True

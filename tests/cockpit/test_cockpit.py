@@ -23,7 +23,9 @@ def cockpit():
 
 @pytest.fixture(scope="module")
 def flown(cockpit):
-    return AtlasSimulation(cockpit=cockpit)
+    sim = AtlasSimulation(view=cockpit.meshcat, overlays=cockpit.overlays)
+    cockpit.join(sim)
+    return sim
 
 
 def test_a_missing_package_is_named_with_what_installs_it(monkeypatch):

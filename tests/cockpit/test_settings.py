@@ -129,15 +129,14 @@ def test_a_simulation_that_cannot_be_built_leaves_the_present_one():
 
 
 def test_a_run_that_begins_anew_goes_on_as_long(shared_sim):
-    class Restarts:
-        def attend(self, sim):
-            if sim.time > 0.05:
-                sim.reset(seed=0)
+    def begin_anew(sim):
+        if sim.time > 0.05:
+            sim.reset(seed=0)
 
     shared_sim.reset(seed=0)
-    shared_sim.cockpit = Restarts()
+    shared_sim.hooks.append(begin_anew)
     try:
         shared_sim.advance_to(0.1)
     finally:
-        shared_sim.cockpit = None
+        shared_sim.hooks.remove(begin_anew)
     assert shared_sim.time == pytest.approx(0.04)

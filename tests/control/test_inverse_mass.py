@@ -14,7 +14,7 @@ from atlas_drake.control.joints.joint_pid import (
     step_model,
     user_effort,
 )
-from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.scenario import Scenario
 from atlas_drake.simulation.tutorial import KP_POSITION
 
 from .conftest import TUTORIAL_ROBOTS
@@ -169,6 +169,6 @@ def test_stiff_legs_on_the_ground_are_stable_at_the_default_step(
         return growth(step_matrix(stiffer * np.array(kp), kd, assumed, true, dt), dt)
 
     for planted in FOOTHOLDS.values():
-        assert grows(planted, StationConfig().physics_step) < NEGLIGIBLE
+        assert grows(planted, Scenario().physics_step) < NEGLIGIBLE
     if stiffer == 5.0:  # That the test can fail.
         assert grows((True, True), 0.003) > NEGLIGIBLE

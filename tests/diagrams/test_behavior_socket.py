@@ -240,8 +240,8 @@ def test_the_behaviors_configuration_reaches_our_controller_made_by_hand(bow):
     )
     scenario = with_settings(Scenario(), ["controller.bow.speed=0.1"])
 
-    def ours(robot, config):
-        return make_whole_body_controller(robot, config, (*SHIPPED_ENTRIES, entry))
+    def ours(robot, scenario):
+        return make_whole_body_controller(robot, scenario, (*SHIPPED_ENTRIES, entry))
 
     AtlasSimulation(scenario, controller=ours, behaviors=[entry])
     assert made == [Speed(0.1)]

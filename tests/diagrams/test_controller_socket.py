@@ -68,13 +68,15 @@ def controller_with_status(robot, status, calc=zero, port="controller_status"):
 class Talkative(LeafSystem):
     """Gives no effort, and tells much of itself."""
 
-    def __init__(self, robot, config):
+    def __init__(self, robot, scenario):
         super().__init__()
         self.tick_seconds = []
         self.resets = []
-        self._period = config.control_period
+        self._period = scenario.control_period
         self._ticks = self.DeclareDiscreteState(1)
-        self.DeclarePeriodicDiscreteUpdateEvent(config.control_period, 0.0, self._tick)
+        self.DeclarePeriodicDiscreteUpdateEvent(
+            scenario.control_period, 0.0, self._tick
+        )
         self.DeclareVectorOutputPort("behavior_effort", robot.num_joints, zero)
         self.DeclareAbstractOutputPort(
             "controller_status",
@@ -386,9 +388,12 @@ def test_a_controller_without_reset_gets_its_default_state():
 
 
 def test_our_controller_through_the_socket_moves_the_robot_alike():
-    def ours(robot, config):
+    def ours(robot, scenario):
         return WholeBodyController(
-            robot, config.controller, config.control_period, config.initial_behavior
+            robot,
+            scenario.controller_config(),
+            scenario.control_period,
+            scenario.behavior(),
         )
 
     states = []
@@ -421,7 +426,7 @@ def with_message(name):
     ("controller", "words"),
     [
         (3, "controller must be a System or a callable"),
-        (lambda robot, config: None, "must return a System, returned None"),
+        (lambda robot, scenario: None, "must return a System, returned None"),
         (sized(28, "torque"), "no output port 'behavior_effort'"),
         (sized(3), "a vector of size 3; atlas needs a vector of size 28"),
         (with_vector_status(3), "must hold a ControllerStatus"),

@@ -115,7 +115,7 @@ def test_a_behavior_gets_read_only_arrays(behavior):
 class Listening(LeafSystem):
     """A controller that looks at what the ports hand out."""
 
-    def __init__(self, robot, config):
+    def __init__(self, robot, scenario):
         super().__init__()
         self.found = writable(robot, "robot")
         self._ports = [
@@ -141,8 +141,8 @@ class Listening(LeafSystem):
 def test_a_controller_gets_read_only_arrays():
     made = []
 
-    def make(robot, config):
-        made.append(Listening(robot, config))
+    def make(robot, scenario):
+        made.append(Listening(robot, scenario))
         return made[0]
 
     sim = AtlasSimulation(controller=make)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
-from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.logs import recorder
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.rows import RowMaker
@@ -15,7 +14,7 @@ from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, END, arm_command, drive, walk_command
 
-PERIOD = StationConfig().control_period
+PERIOD = Scenario().resolved().on_time_grid().control_period
 
 
 def test_rows_are_the_control_ticks(log):

@@ -18,7 +18,6 @@ from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.checked import as_plain
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
-from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.errors import shown
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
@@ -72,8 +71,10 @@ def test_every_physics_step_that_divides_the_control_period_is_accepted(step, pe
     scenario = dataclasses.replace(scenario).resolved()
     assert scenario.plant.time_step == scenario.physics_step
     assert scenario.physics_step == step
-    station = StationConfig(physics_step=step, control_period=period)
+    station = scenario.on_time_grid()
     again = (station.physics_step, station.control_period)
+    assert again == pytest.approx((step, period), rel=1e-9)
+    assert station.plant.time_step == station.physics_step
     assert on_common_grid(*again) == again
 
 
@@ -186,16 +187,9 @@ def test_a_physics_step_alone_gets_the_nearest_control_period(step, period):
     assert scenario.resolved().control_period == period
     # The scenario itself still has none, whatever its step will be.
     assert scenario.control_period == 0.0
-    config = StationConfig(physics_step=step)
-    assert config.control_period == pytest.approx(period, rel=1e-9)
 
 
-def test_a_station_refuses_a_period_that_is_no_multiple():
-    with pytest.raises(ValueError, match="whole multiple"):
-        StationConfig(physics_step=0.002, control_period=0.009)
-    with pytest.raises(ValueError, match="positive and finite"):
-        StationConfig(physics_step=-0.003)
-    # A number of less precision is not the same.
+def test_a_step_of_less_precision_is_not_the_same():
     with pytest.raises(ScenarioError, match=r"physics_step \(0\.001000000047"):
         Scenario(physics_step=np.float32(0.001), control_period=0.002).validate()
 

@@ -6,8 +6,8 @@ from pydrake.math import RollPitchYaw
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake import Block, InvalidMessageError, place_robot
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake import Block, InvalidMessageError, Scenario, place_robot
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.robot import load_robot
 
 BLOCK = Block(size=[0.8, 0.8, 0.1], position=[0.0, 0.0, 0.1])
@@ -17,8 +17,8 @@ def make(model="atlas", terrain=()):
     """A station inside a diagram of somebody else's, and its default context."""
     robot = load_robot(model)
     builder = DiagramBuilder()
-    config = StationConfig(terrain=terrain)
-    station = builder.AddSystem(make_atlas_station(robot, config))
+    scenario = Scenario(terrain=list(terrain))
+    station = builder.AddSystem(make_atlas_station(robot, scenario))
     return robot, station, Simulator(builder.Build())
 
 

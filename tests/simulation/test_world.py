@@ -25,7 +25,7 @@ from atlas_drake import (
     load_scenario,
     read_log,
 )
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter
@@ -249,8 +249,7 @@ def test_the_robot_begins_on_what_is_below_it(tmp_path):
     )
     height = harnessed.pelvis_pose.translation()[2] - flat
     assert height == pytest.approx(0.4, abs=1e-4)
-    config = StationConfig()
-    station = make_atlas_station(config=config, world=[table(0.3)])
+    station = make_atlas_station(world=[table(0.3)])
     plant = station.GetSubsystemByName("plant")
     pelvis = plant.GetBodyByName("pelvis")
     context = plant.CreateDefaultContext()

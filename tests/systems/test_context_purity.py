@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake import PlannedPush
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake import PlannedPush, Scenario, Start
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.messages import AtlasCommand, Behavior
-from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.simulation.tutorial import walk_command
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -32,8 +31,8 @@ def diagram(robot):
         ScheduledCommand(0.02, arms),
         ScheduledCommand(WALK_AT, walk_command),
     ]
-    config = StationConfig(noise=NOISE_MODELS["rough"], seed=3, estimated=True)
-    return make_control_mode_switch(robot, schedule, config)
+    scenario = Scenario(noise="rough", seed=3, state="estimated")
+    return make_control_mode_switch(robot, scenario, schedule)
 
 
 @pytest.fixture
@@ -130,14 +129,14 @@ def test_a_clone_in_mid_step_goes_on_as_the_original_does(diagram, start):
 
 def test_a_clone_amid_a_push_in_the_harness_goes_on_alike(robot):
     """What pushes and holds the robot is in the Context, too."""
-    pushed = (
+    pushes = [
         PlannedPush(time=0.02, impulse=8.0, duration=0.1),
         PlannedPush(time=0.035, impulse=5.0, body="pelvis", duration=0.03),
+    ]
+    scenario = Scenario(
+        pushes=pushes, start=Start(harnessed=True), initial_behavior="FREEZE"
     )
-    config = StationConfig(
-        pushes=pushed, harnessed=True, initial_behavior=Behavior.FREEZE
-    )
-    station = make_atlas_station(robot, config)
+    station = make_atlas_station(robot, scenario)
 
     def held(root):
         plant = station.GetSubsystemByName("plant")

@@ -3,15 +3,15 @@
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake import Scenario
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import Behavior
 
 
 def test_a_fall_is_detected_once_is_in_a_clone_and_ends_with_a_reset(robot):
-    config = StationConfig(initial_behavior=Behavior.USER)
-    station = make_atlas_station(robot, config)
+    station = make_atlas_station(robot, Scenario(initial_behavior="USER"))
     simulator = Simulator(station)
     root = simulator.get_mutable_context()
     plant = station.GetSubsystemByName("plant")
@@ -24,7 +24,7 @@ def test_a_fall_is_detected_once_is_in_a_clone_and_ends_with_a_reset(robot):
     )
     simulator.AdvanceTo(0.04)
     first = fall.Eval(root)
-    assert first.time == 2 * config.control_period
+    assert first.time == 2 * Scenario().resolved().on_time_grid().control_period
     assert first.sign == "pelvis tilted by 0.85 rad"
     simulator.AdvanceTo(0.08)
     assert fall.Eval(root) is fall.Eval(root.Clone()) is first

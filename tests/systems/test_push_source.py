@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake import PlannedPush
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake import PlannedPush, Scenario
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.messages import Behavior
 from atlas_drake.systems.push_source import Push
@@ -16,9 +16,7 @@ PUSH = PlannedPush(time=0.02, impulse=8.0, duration=0.025, frame="world")
 
 @pytest.fixture(scope="module")
 def station(robot):
-    return make_atlas_station(
-        robot, StationConfig(pushes=(PUSH,), initial_behavior=Behavior.USER)
-    )
+    return make_atlas_station(robot, Scenario(pushes=[PUSH], initial_behavior="USER"))
 
 
 def forces(station, root):

@@ -6,7 +6,7 @@ from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.control.estimation.attitude import rotation_matrix, turned
-from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.scenario import Start
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
@@ -22,7 +22,7 @@ def names(station):
 
 def test_a_station_on_the_true_state_has_no_estimator(robot):
     plain = make_atlas_station(robot)
-    estimated = make_atlas_station(robot, StationConfig(estimated=True))
+    estimated = make_atlas_station(robot, Scenario(state="estimated"))
     more = {"inertial_sensor", "state_estimator", "estimation_error"}
     assert names(estimated) - names(plain) == more
     assert not plain.HasOutputPort("estimation_error")

@@ -71,6 +71,6 @@ def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to():
     report.pos_est.position.x, report.pos_est.position.z = 2.0, 0.9
     for overlays, place in (([], None), (["follow"], [2.0, 0.0, 0.0])):
         camera = Camera()
-        Following(camera, Overlays(overlays), False).show(report)
+        Following(camera, Overlays(overlays)).show(report)
         assert hasattr(camera, "target") == (place is not None)
     np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)
