@@ -8,8 +8,8 @@ import urllib.request
 
 import pytest
 
-from atlas_drake import AtlasSimulation
-from atlas_drake.cockpit.cockpit import Cockpit, CockpitError
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.cockpit.cockpit import Cockpit, CockpitError, open_cockpit
 from atlas_drake.cockpit.orders import Order, Reply
 
 
@@ -68,3 +68,22 @@ def test_an_order_that_cannot_be_used_is_answered(cockpit, flown):
     reply = cockpit._reply_to(Order("walk.steer", {"forward": float("nan")}, 7))
     assert (reply.number, bool(reply.problem)) == (7, True)
     assert cockpit._reply_to(Order("walk.drop_plan", {}, 8)) == Reply(8)
+
+
+def test_a_simulation_that_follows_takes_the_page_over(cockpit, flown):
+    following = AtlasSimulation()
+    cockpit.join(following)
+    assert (flown.hooks, len(following.hooks)) == ([], 1)
+    cockpit.join(flown)
+    assert following.hooks == []
+
+
+def test_a_simulation_is_opened_with_its_cockpit_in_real_time(capsys):
+    sim, cockpit = open_cockpit(Scenario(name="seen"))
+    assert cockpit.web_url() in capsys.readouterr().out
+    assert (sim.scenario.name, sim.meshcat, sim.realtime_rate) == (
+        "seen",
+        cockpit.meshcat,
+        1.0,
+    )
+    cockpit.close()

@@ -126,17 +126,3 @@ def test_a_simulation_that_cannot_be_built_leaves_the_present_one():
     asked = Scenario(name="crowd")
     assert followed("now", asked, build, Page(), Progress(io.StringIO(), 1.0)) == "now"
     assert said[-1] == "crowd cannot be simulated: it is full"
-
-
-def test_a_run_that_begins_anew_goes_on_as_long(shared_sim):
-    def begin_anew(sim):
-        if sim.time > 0.05:
-            sim.reset(seed=0)
-
-    shared_sim.reset(seed=0)
-    shared_sim.hooks.append(begin_anew)
-    try:
-        shared_sim.advance_to(0.1)
-    finally:
-        shared_sim.hooks.remove(begin_anew)
-    assert shared_sim.time == pytest.approx(0.04)
