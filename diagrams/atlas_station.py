@@ -242,10 +242,14 @@ def make_atlas_station(
 def ready(
     robot: Robot | None, scenario: Scenario | None, behaviors: Iterable[BehaviorEntry]
 ) -> tuple[Robot, Scenario]:
-    """Returns robot and scenario of a station, with values for what is None.
+    """Returns robot and scenario as a station uses them.
 
-    The scenario is resolved, its steps are on the common grid, and its robot is the
-    given one.
+    The scenario is resolved, its steps are on the common grid, and it names the robot.
+
+    Args:
+        robot: The robot; None loads the scenario's.
+        scenario: The scenario; None is the default one.
+        behaviors: Entries of the user's own behaviors.
     """
     scenario = scenario or Scenario()
     robot = robot or load_robot(scenario.model)

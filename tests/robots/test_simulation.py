@@ -69,7 +69,7 @@ def test_the_tutorial_is_for_robots_with_atlas_joints(tmp_path):
     kept = tmp_path / "kept.npz"
     kept.write_text("an earlier run")
     scenario = Scenario(model=str(HERON), schedule="tutorial")
-    with pytest.raises(ScenarioError, match="'heron' has no back_bkz; choose prog"):
+    with pytest.raises(ScenarioError, match="'heron' has no back_bkz; choose sched"):
         AtlasSimulation(scenario, log=kept)
     assert kept.read_text() == "an earlier run"
 
