@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
+import yaml
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import core_schema
 from pydrake.common.schema import Transform
@@ -59,6 +60,25 @@ def checked(
         raise _first(error, kind, path) from None
     _check_size(made, path)
     return made
+
+
+def read_yaml(text: str) -> Any:
+    """Reads a YAML text of mappings, lists and plain values.
+
+    Raises:
+        yaml.YAMLError: Naming line and column, if the text is not YAML, or if an alias
+            stands within what it names: such a value has no end.
+    """
+    around: list[str | None] = []  # Anchors of the collections around an event.
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            around.append(event.anchor)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            around.pop()
+        elif isinstance(event, yaml.AliasEvent) and event.anchor in around:
+            problem = f"the alias *{event.anchor} stands within what it names"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+    return yaml_load(data=text)
 
 
 def overlaid(base: Any, given: Any) -> Any:

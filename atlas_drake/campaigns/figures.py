@@ -57,7 +57,7 @@ def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Pa
     for name, figure in pages.items():
         path = folder / name
         figure.suptitle(f"{campaign.name}, {len(rows)} trials", fontsize=11)
-        with whole_file(path) as unfinished:
+        with whole_file(path, unfinished_as=path.stem) as unfinished:
             figure.savefig(unfinished, dpi=DPI)
         written.append(path)
     return written

@@ -161,6 +161,20 @@ class CampaignFolder:
                 raise CampaignError("--out", str(self.path), problem) from None
             yield
 
+    @contextmanager
+    def writing_results(self) -> Iterator[None]:
+        """Waits until no other program writes results.
+
+        Files of results can then have one unfinished name each: what a killed program
+        left unfinished is completed by the next one, and does not stay behind.
+
+        Raises:
+            OSError: If the folder cannot be written.
+        """
+        with (self.path / ".writing").open("w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            yield
+
 
 def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
     """Copies the results of shards into one folder.

@@ -11,12 +11,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydrake.common.yaml import yaml_load
-
 from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
 from atlas_drake.campaigns.distributions import is_distribution
 from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.checked import checked
+from atlas_drake.checked import checked, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario import (
     Scenario,
@@ -55,7 +53,7 @@ def load_campaign(
         ScenarioError: If the file cannot be read, has unknown keys or bad values.
     """
     try:
-        raw = yaml_load(data=Path(path).read_text())
+        raw = read_yaml(Path(path).read_text())
     except Exception as error:  # The parser raises many kinds of exception.
         problem = f"{path} cannot be read: {error}"
         raise CampaignError("file", str(path), problem) from error
@@ -70,7 +68,7 @@ def load_campaign(
 
 def is_campaign(path: str | Path) -> bool:
     """Returns True if a YAML file of fields has any that only a campaign has."""
-    raw = yaml_load(data=Path(path).read_text())
+    raw = read_yaml(Path(path).read_text())
     return isinstance(raw, Mapping) and any(name in ONLY_CAMPAIGN for name in raw)
 
 
@@ -126,8 +124,12 @@ def campaign_from(
         if not (name and equals):
             problem = f"is {shown(text)}; must be {PARAMETERS}NAME=VALUE"
             raise CampaignError("--set", text, problem)
-        parameters = fields.get("parameters", {})
-        fields["parameters"] = {**parameters, name: yaml_load(data=value)}
+        try:
+            given = read_yaml(value)
+        except Exception as error:  # The parser raises many kinds of exception.
+            problem = f"must be a value as in YAML: {error}"
+            raise CampaignError.about(PARAMETERS + name, value, problem) from error
+        fields["parameters"] = {**fields.get("parameters", {}), name: given}
     if isinstance(fields.get("code"), list):
         fields["code"] = [
             str((folder / name).absolute()) if isinstance(name, str) else name

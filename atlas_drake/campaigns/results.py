@@ -38,18 +38,20 @@ def write_results(folder: CampaignFolder) -> tuple[str, list[Path]]:
         OSError: If a file cannot be written.
     """
     check_packages()
-    campaign, records = folder.campaign(), folder.records()
-    table, page = folder.path / TABLE, folder.path / REPORT
-    write_parquet(records, table)
-    text = report(campaign, records)
-    with whole_file(page) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
-    written = [table, page]
-    if records:
-        # Matplotlib loads only here.
-        from atlas_drake.campaigns.figures import write_figures
+    campaign = folder.campaign()
+    with folder.writing_results():
+        records = folder.records()
+        table, page = folder.path / TABLE, folder.path / REPORT
+        write_parquet(records, table)
+        text = report(campaign, records)
+        with whole_file(page, unfinished_as=page.stem) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
+        written = [table, page]
+        if records:
+            # Matplotlib loads only here.
+            from atlas_drake.campaigns.figures import write_figures
 
-        written += write_figures(campaign, records, folder.path)
+            written += write_figures(campaign, records, folder.path)
     return text, written
 
 
@@ -84,7 +86,7 @@ def write_parquet(records: Records, path: Path) -> None:
     rows = [_row(records[number]) for number in sorted(records)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column(name, [row.get(name) for row in rows]) for name in names}
-    with whole_file(path) as unfinished:
+    with whole_file(path, unfinished_as=path.stem) as unfinished:
         pq.write_table(
             pa.table(columns),
             str(unfinished),

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pydrake.common.yaml import yaml_load
-
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.checked import read_yaml
 from atlas_drake.cockpit.clock_controls import ClockControls
 from atlas_drake.cockpit.next_run import NextRun
 from atlas_drake.cockpit.record import Recorded
@@ -121,7 +120,7 @@ class ScenarioControls:
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ScenarioError("file", None, "is too long for a scenario")
         try:
-            raw = yaml_load(data=text)
+            raw = read_yaml(text)
         except Exception as error:  # The parser raises many kinds of exception.
             raise ScenarioError("file", None, f"cannot be read: {error}") from error
         if not isinstance(raw, Mapping):

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.checked import checked
+from atlas_drake.checked import checked, read_yaml
 from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.file import RobotFile
@@ -166,7 +165,7 @@ def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
 def _parsed(text: str) -> RobotFile:
     """Reads a robot's YAML text; cached, because each scenario needs its robot's."""
     try:
-        raw = yaml_load(data=text) if text.strip() else None
+        raw = read_yaml(text) if text.strip() else None
     except Exception as error:  # The parser raises many kinds of exception.
         problem = f"cannot be read: {error}"
         raise RobotDescriptionError("file", text, problem) from error

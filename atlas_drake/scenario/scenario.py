@@ -11,13 +11,12 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, Strict
-from pydrake.common.yaml import yaml_load
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.checked import As, OfDrake, as_plain, checked
+from atlas_drake.checked import As, OfDrake, as_plain, checked, read_yaml
 from atlas_drake.configuration import CheckedOnce, Configuration, NotNegative, Positive
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
@@ -415,7 +414,7 @@ def load_scenario(path: str | Path) -> Scenario:
     """
     try:
         text = Path(path).read_text()
-        raw = yaml_load(data=text) if text.strip() else None
+        raw = read_yaml(text) if text.strip() else None
     except Exception as error:
         # The parser raises many kinds of exception for a faulty file.
         problem = f"{path} cannot be read: {error}"
@@ -483,7 +482,7 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
         if not (equals and is_path(path)):
             raise ScenarioError.about("--set", setting, "must be KEY.PATH=VALUE")
         try:
-            value = yaml_load(data=text)
+            value = read_yaml(text)
         except Exception as error:  # The parser raises many kinds of exception.
             problem = f"must be a value as in YAML: {error}"
             raise ScenarioError.about(path, text, problem) from error

@@ -11,9 +11,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from pydrake.common.yaml import yaml_load
-
-from atlas_drake.checked import checked
+from atlas_drake.checked import checked, read_yaml
 from atlas_drake.configuration import Configuration, Vector
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.data_file import file_beside, find_data_file
@@ -181,7 +179,7 @@ def world_from(given: Any, present: World | None = None) -> World:
 def _load(path: Path, name: str) -> World:
     try:
         text = path.read_text()
-        raw = yaml_load(data=text) if text.strip() else None
+        raw = read_yaml(text) if text.strip() else None
     except Exception as error:
         # The parser raises many kinds of exception for what is always a faulty file.
         raise ScenarioError("world", str(path), f"cannot be read: {error}") from error

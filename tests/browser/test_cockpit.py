@@ -3,6 +3,9 @@
 import json
 import re
 import time
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
 
 import pytest
 
@@ -163,6 +166,18 @@ def test_time_is_paused_stepped_paced_and_turned_back(page):
     wait_for(lambda: not page.says("Speed").startswith("paused"), "the run")
 
 
+def test_a_slider_gives_a_part_of_the_chosen_limb(page):
+    page.page.get_by_role("button", name="l_arm", exact=True).press("Enter")
+    slider = page.slider("k_effort of l_arm")
+    slider.click()  # In the middle.
+    half = re.compile("l_arm_wrx: k_effort 12[78]")
+    page.page.get_by_role("button", name=half).wait_for()
+    page.press("None mine")
+    page.page.get_by_role("button", name="l_arm_wrx: behavior").wait_for()
+    page.page.get_by_role("button", name="r_arm", exact=True).press("Enter")
+    page.slider("k_effort of r_arm").wait_for()
+
+
 def test_joints_change_hands_in_the_figure_and_move(page):
     page.press("r_arm_ely: behavior")
     page.page.get_by_role("button", name="r_arm_ely: yours").wait_for()
@@ -232,6 +247,33 @@ def test_a_click_on_the_ground_plans_and_a_second_one_walks(page):
     assert abs(robot[1] - 0.7) < 0.1
 
 
+def test_the_camera_stays_above_the_ground(page):
+    page.press("Free")
+    box = page.page.locator("#view").bounding_box()
+    x, top = box["x"] + 20, box["y"] + 60
+    bottom = box["y"] + box["height"] - 20
+    # Around the robot, away from it, and sideways.
+    drag(page.page, (x, bottom), (x, 0.5 * (top + bottom)), (x, top))
+    assert camera_height(page) == pytest.approx(0.05, abs=0.01)
+    page.page.mouse.wheel(0, 2000)
+    assert camera_height(page) == pytest.approx(0.05, abs=0.01)
+    page.page.keyboard.down("Shift")
+    drag(page.page, (x, top), (x, 0.5 * (top + bottom)), (x, top))
+    for _ in range(3):
+        drag(page.page, (x, top), (x, bottom), (x, top + 5))
+    page.page.keyboard.up("Shift")
+    assert camera_height(page) >= 0.04
+    page.press("Follow")
+
+
+def camera_height(page):
+    """Height of the camera two frames later [m]."""
+    return page.page.evaluate(
+        "new Promise(done => requestAnimationFrame(() => requestAnimationFrame("
+        "() => done(viewer.camera.position.y))))"
+    )
+
+
 def test_a_link_is_asked_for_and_pushed_by_the_mouse(page):
     page.press("Front")
     x, y, z, _ = page.page.evaluate("cockpit.robot")
@@ -295,6 +337,72 @@ def test_a_screen_shows_all_without_scrolling(page, size):
     page.page.set_viewport_size(SMALL_LAPTOP)
 
 
+@pytest.mark.parametrize("size", [PHONE, SMALL_LAPTOP, SCREEN])
+def test_every_control_has_a_size_one_can_hit(page, size):
+    page.page.set_viewport_size(size)
+    page.page.get_by_label("Channel to plot").fill("balance.com.x")
+    page.page.get_by_role("button", name="Remove balance.com.x").wait_for()
+    small = set()
+    for tab in ("Walk", "Pelvis", "Scenario", "Settings", "Joints"):
+        page.tab(tab)
+        if tab == "Settings":
+            page.page.get_by_label("Search settings").fill("controller.stand")
+            page.page.locator(".setting").first.wait_for()
+        small.update(page.page.evaluate(SMALL_CONTROLS))
+    for menu in ("Show", "Push", "Pose", "New run", "Gains of r_arm_shy"):
+        page.press(menu)
+        page.page.locator(".q-menu").wait_for()
+        small.update(page.page.evaluate(SMALL_CONTROLS))
+        page.page.keyboard.press("Escape")
+        page.page.locator(".q-menu").wait_for(state="detached")
+    page.press("Remove balance.com.x")
+    page.page.set_viewport_size(SMALL_LAPTOP)
+    assert small == set()
+
+
+SMALL_CONTROLS = """(() => {
+  const roles = ["button", "slider", "tab", "switch", "checkbox", "option", "menuitem"];
+  const controls = "button, input, select, textarea, a, " +
+                   roles.map((role) => `[role=${role}]`).join(", ");
+  const small = [];
+  for (const e of document.querySelectorAll(controls)) {
+    if (!e.checkVisibility({ visibilityProperty: true }) || e.type === "file") continue;
+    // A field is hit all over, and not on its text alone; a line as far as it is thick.
+    const whole = e.closest(".q-field__control") || e, line = e.querySelector("line");
+    let { width, height } = whole.getBoundingClientRect();
+    if (line) {
+      const thick = parseFloat(getComputedStyle(line).strokeWidth);
+      width += thick * line.getScreenCTM().a;
+      height += thick * line.getScreenCTM().d;
+    }
+    const name = e.getAttribute("aria-label") || e.innerText || e.outerHTML;
+    if (Math.min(width, height) < 24) small.push(`${name}: ${width} x ${height}`);
+  }
+  return small;
+})()"""
+"""Names and sizes of controls that are smaller than 24 pixels in one direction."""
+
+
+@pytest.mark.parametrize("size", [PHONE, SMALL_LAPTOP, SCREEN])
+def test_no_explanation_covers_stop(page, size):
+    page.page.set_viewport_size(size)
+    modes = page.page.locator(".modes button")
+    stop = modes.filter(has_text="STOP")
+    for mode in modes.all():
+        mode.hover()
+        page.page.wait_for_timeout(300)
+        box = stop.bounding_box()
+        for told in page.page.locator(".q-tooltip:visible").all():
+            over = told.bounding_box()
+            assert (
+                over["y"] + over["height"] <= box["y"]
+                or over["x"] + over["width"] <= box["x"]
+                or over["x"] >= box["x"] + box["width"]
+            )
+    page.page.mouse.move(1, 1)
+    page.page.set_viewport_size(SMALL_LAPTOP)
+
+
 def test_a_phone_shows_the_robot_first(page):
     page.page.set_viewport_size(PHONE)
     assert page.page.evaluate(INNER_SIZE)[0] <= PHONE["width"]
@@ -323,6 +431,15 @@ def test_a_second_viewer_watches_asks_and_steers(page, watching):
     watching.close()
     wait_for(lambda: page.says("Steering") == "You steer", "the way back")
     watching.open()
+
+
+def test_a_watcher_stops_a_walk(page, watching):
+    page.page.keyboard.press("i")
+    page.becomes("WALK")
+    assert watching.says("Steering") == "Ask to steer"
+    watching.press("STOP")
+    page.page.get_by_text("pressed STOP").first.wait_for()
+    page.becomes("STAND")
 
 
 def open_again(page, watching):
@@ -409,6 +526,35 @@ def test_a_foreign_page_reaches_nothing(page, run, browser):
         run.url.replace("http", "ws") + "meshcat",
     )
     assert not reached
+    foreign.close()
+
+
+@pytest.fixture
+def foreign_site(run, tmp_path):
+    """The address of a site that loads and frames the page, and links to it."""
+    (tmp_path / "index.html").write_text(
+        f"""<script src="{run.url}assets/cockpit.js"></script>
+        <iframe src="{run.url}"></iframe><a href="{run.url}">the robot</a>"""
+    )
+    handler = partial(SimpleHTTPRequestHandler, directory=tmp_path)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost"])
+def test_a_foreign_site_links_to_the_page_and_no_more(
+    name, page, foreign_site, browser
+):
+    """The name of the same host makes it a cross-site, or only a cross-origin."""
+    foreign = browser.new_page()
+    foreign.goto(foreign_site.replace("127.0.0.1", name))
+    assert foreign.evaluate("typeof cockpit") == "undefined"
+    frame = foreign.frames[1]
+    assert frame.get_by_label("Mode", exact=True).count() == 0
+    foreign.get_by_text("the robot").click()
+    foreign.get_by_label("Mode", exact=True).first.wait_for()
     foreign.close()
 
 

@@ -1,6 +1,8 @@
 """Tables, reports and pictures of results, whatever figures the trials have."""
 
 import json
+import signal
+import subprocess
 import sys
 
 import numpy as np
@@ -106,6 +108,37 @@ def test_figures_of_any_size_are_drawn(tmp_path, monkeypatch):
     }
     (written,) = figures.write_figures(Campaign(), records, tmp_path)
     assert written.name == "distributions.png"
+
+
+@pytest.mark.parametrize(
+    "writer", ["pyarrow.parquet.write_table", "matplotlib.figure.Figure.savefig"]
+)
+def test_a_program_killed_while_it_writes_leaves_nothing_for_good(
+    writer, folder, monkeypatch
+):
+    monkeypatch.setattr(figures, "DPI", 20)
+    for number in range(2):
+        folder.write(record(number, tilt=1.0))
+    module, _, name = writer.rpartition(".")
+    killed = f"""if True:
+        import os, pkgutil, signal, sys
+        from pathlib import Path
+        from atlas_drake.campaigns.folder import CampaignFolder
+        from atlas_drake.campaigns.results import write_results
+
+        def die(*given, **named):
+            os.kill(os.getpid(), signal.SIGKILL)
+
+        setattr(pkgutil.resolve_name({module!r}), {name!r}, die)
+        write_results(CampaignFolder(Path(sys.argv[1])))
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", killed, str(folder.path)], check=False
+    )
+    assert ended.returncode == -signal.SIGKILL
+    assert list(folder.path.rglob(".*unfinished*"))
+    write_results(folder)
+    assert not list(folder.path.rglob(".*unfinished*"))
 
 
 def test_text_that_is_no_unicode_is_kept_readable(folder, capsys, monkeypatch):

@@ -45,10 +45,15 @@ def test_the_other_items_are_done_when_a_process_dies():
 
 
 OWN = """
+    import time
+    from pathlib import Path
+
     def last_gets_lost(sim, parameters):
         if sim.scenario.seed == 4:
             raise RuntimeError(f"gone with {parameters['whom']}")
         sim.advance(0.1)
+        if sim.scenario.seed == 3 and not Path(__file__).with_name("resumed").exists():
+            time.sleep(600.0)
 """
 LINES = """
 trial: last_gets_lost
@@ -63,19 +68,21 @@ def test_a_killed_sweep_resumes_where_it_stopped(campaign_file, tmp_path, capsys
     out = tmp_path / "out"
     campaign = str(campaign_file(LINES, OWN))
     command = ["sweep", campaign, "--trials", "5", "--out", str(out)]
-    process = subprocess.Popen([sys.executable, "-m", "atlas_drake", *command])
-    first = out / "trials" / "000000.json"
+    program = [sys.executable, "-m", "atlas_drake", *command, "--jobs", "2"]
+    process = subprocess.Popen(program, stdout=subprocess.PIPE)
+    folder = CampaignFolder(out)
     deadline = time.monotonic() + 60.0
-    while not first.exists() and time.monotonic() < deadline:
+    while len(folder.records()) < 4 and time.monotonic() < deadline:
         time.sleep(0.01)
     process.send_signal(signal.SIGKILL)
-    process.wait()
-    folder = CampaignFolder(out)
+    # Its output ends when its processes have ended, too.
+    process.communicate(timeout=60.0)
     before = folder.records()
-    # As if it had been killed while it wrote the last record.
-    (out / "trials/.000004.unfinished.json").write_text("{")
+    assert sorted(before) == [0, 1, 2, 4]
+    # As if it had been killed while it wrote the record of trial 3.
+    (out / "trials/.000003.unfinished.json").write_text("{")
     times = {n: (out / f"trials/{n:06d}.json").stat().st_mtime_ns for n in before}
-    assert 0 in before
+    (tmp_path / "resumed").touch()
     assert main([*command, "--jobs", "1"]) == 1
     said = capsys.readouterr().out
     assert "Raised in 1, first in trial 4: RuntimeError: gone with the wind" in said

@@ -15,14 +15,17 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.campaigns import load_campaign
 from atlas_drake.checked import as_plain
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
-from atlas_drake.errors import shown
+from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.messages import Behavior
+from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
 from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.world_file import load_world
 
 RATES = "controller.manipulate.rates"
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
@@ -218,6 +221,25 @@ def test_a_file_that_is_no_scenario_is_refused(text, word, tmp_path):
     with pytest.raises(ScenarioError, match=word) as error:
         load(tmp_path, text)
     assert str(tmp_path) in str(error.value)
+
+
+@pytest.mark.parametrize("load", [load_scenario, load_world, load_robot, load_campaign])
+def test_a_file_with_an_alias_within_what_it_names_is_refused(load, tmp_path):
+    path = tmp_path / "endless.yaml"
+    path.write_text("name: &name one\nterrain: &all\n  - [*name]\n  - size: *all\n")
+    with pytest.raises((ScenarioError, RobotDescriptionError)) as error:
+        load(path)
+    for told in (str(path), r"\*all", "line 4, column 11"):
+        assert error.match(told)
+
+
+@pytest.mark.parametrize("setting", ["terrain", "parameters.kind"])
+def test_a_setting_with_an_alias_within_what_it_names_is_refused(setting, tmp_path):
+    path = tmp_path / "campaign.yaml"
+    path.write_text("duration: 1.0\n")
+    with pytest.raises(ScenarioError, match=r"\*all stands within") as error:
+        load_campaign(path, [f"{setting}=&all [*all]"])
+    assert error.value.field == setting
 
 
 @pytest.mark.parametrize("text", ["1.0e-2", "1e-2", "0.01"])

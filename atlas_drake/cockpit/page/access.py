@@ -1,8 +1,9 @@
 """Who may open the page, and who may steer.
 
 A page of another site must not reach the robot through the browser of somebody who
-watches: every request names the host that it was sent to, and a websocket the site that
-it comes from.
+watches: every request names the host that it was sent to, a websocket the site that it
+comes from, and browsers say of the others whether another site causes them. They do not
+say so for addresses of other computers without encryption; headers of the answers help.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import hmac
 import ipaddress
 import time
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 Asgi = Callable[[dict[str, Any], Any, Any], Awaitable[None]]
@@ -52,7 +54,7 @@ class Access:
                 return
             if scope["type"] == "websocket":
                 receive = Throttled(receive)
-            await inner(scope, receive, send)
+            await inner(scope, receive, partial(_send_to_this_page, send))
 
         return guarded
 
@@ -66,9 +68,18 @@ class Access:
         if not self._is_ours(host):
             return False
         origin = headers.get("origin")
-        if origin is None:  # No browser: they send it with every websocket.
-            return scope["type"] == "http" or "user-agent" not in headers
-        return origin.split("://", 1)[-1] == host
+        if origin is not None:
+            return origin.split("://", 1)[-1] == host
+        if scope["type"] == "websocket":
+            return "user-agent" not in headers  # Browsers send the origin.
+        # A typed address and a bookmark come from no site. A link of another site may
+        # lead here, as from a chat or a wiki: the page then has a window of its own,
+        # which that site cannot look into. In a frame the destination is no document.
+        is_link = (
+            headers.get("sec-fetch-mode") == "navigate"
+            and headers.get("sec-fetch-dest") == "document"
+        )
+        return is_link or headers.get("sec-fetch-site", "none") in OWN_SITES
 
     def _is_ours(self, host: str) -> bool:
         """Returns True unless a name of another site was made to point here."""
@@ -104,8 +115,22 @@ class Throttled:
         return message
 
 
+OWN_SITES = ("none", "same-origin")
+"""``Sec-Fetch-Site`` of a request that no other site causes. Another port of this
+computer is ``same-site``, and refused."""
+FOR_THIS_PAGE = (
+    (b"content-security-policy", b"frame-ancestors 'none'"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+)
+"""Headers by which browsers keep an answer from other sites."""
 PER_SECOND, BURST = 200, 1000
 """Messages of a browser that are taken per second, and at once; a hand makes fewer."""
+
+
+async def _send_to_this_page(send: Any, message: dict[str, Any]) -> None:
+    if message["type"] == "http.response.start":
+        message = {**message, "headers": [*message.get("headers", ()), *FOR_THIS_PAGE]}
+    await send(message)
 
 
 async def _refuse(kind: str, send: Any) -> None:

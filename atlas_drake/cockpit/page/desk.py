@@ -16,6 +16,8 @@ from atlas_drake.cockpit.state import RunCard, RunState
 
 MOST_OPEN = 30
 """Orders without a reply beyond which further ones are dropped."""
+STOP = "modes.stop"
+"""The order that every viewer who may steer can give, to end what another one began."""
 PATIENCE = 5.0
 """Longest wait for a reply [s]."""
 
@@ -119,10 +121,14 @@ class Desk:
         """Sends an order, and waits for its reply.
 
         Raises:
-            Refused: If the viewer does not steer, or the simulation refuses it.
+            Refused: If the viewer does not steer and it is not STOP, or the simulation
+                refuses it.
         """
         if viewer is not self.steers:
-            raise Refused("You are watching: ask to steer first")
+            if control != STOP or not viewer.may_steer:
+                raise Refused("You are watching: ask to steer first")
+            if self.steers is not None:
+                self.steers.tell(f"{viewer.name} pressed STOP")
         return await self._send(control, values)
 
     async def _send(self, control: str, values: dict[str, Any]) -> Any:

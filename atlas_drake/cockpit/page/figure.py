@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from atlas_drake.cockpit.state import JointCard, Point
 from atlas_drake.palette import BEHAVIOR, SHARED, USER, hex_color
 
-LEAST = 0.062
+LEAST = 0.15
 """Least distance between two joints in the figure [m]."""
 PULL = 0.15
 """Share of the way back to its place that a joint goes at each turn."""
 TURNS = 80
 """Turns in which joints are moved apart."""
-RADIUS = 0.026
-"""Of a joint in the figure [m]."""
+RADIUS, TARGET = 0.045, 0.065
+"""Of a joint in the figure, and of the place around it that a click hits [m]."""
 
 
 def spread(places: Sequence[Point]) -> list[Point]:
@@ -61,17 +61,17 @@ class Figure:
         """Lays the joints out."""
         self._joints = joints
         self._places = spread([joint.place for joint in joints])
-        known = {
-            joint.place: place
-            for joint, place in zip(joints, self._places, strict=True)
-        }
-        self._parents = [known.get(joint.parent, joint.parent) for joint in joints]
+        self._parents: list[Point] = []
+        known: dict[Point, Point] = {}  # Of two joints at one place, the second.
+        for joint, place in zip(joints, self._places, strict=True):
+            self._parents.append(known.get(joint.parent, joint.parent))
+            known[joint.place] = place
         every = [*self._places, *self._parents]
         margin = 0.09
         self._left = min(-x for x, _ in every) - margin
-        self._top = min(-y for _, y in every) - margin - 0.1
+        self._top = min(-y for _, y in every) - margin
         self._width = max(-x for x, _ in every) + margin - self._left
-        self._height = max(-y for _, y in every) + margin + 0.04 - self._top
+        self._height = max(-y for _, y in every) + margin - self._top
 
     def svg(self, k_effort: Sequence[int], chosen: str) -> str:
         """Draws the figure.
@@ -111,10 +111,11 @@ class Figure:
         name = html.escape(joint.name)
         owner = {0: "behavior", 255: "yours"}.get(k_effort, f"k_effort {k_effort}")
         return (
-            f'<circle class="joint" cx="{-x:.3f}" cy="{-y:.3f}" r="{RADIUS}" '
-            f'fill="{owner_color(k_effort)}" role="button" tabindex="0" '
-            f'aria-label="{name}: {owner}" {_on_press("joint", joint.name)}>'
-            f"<title>{name}: {owner}</title></circle>"
+            f'<g class="joint" role="button" tabindex="0" aria-label="{name}: {owner}" '
+            f"{_on_press('joint', joint.name)}><title>{name}: {owner}</title>"
+            f'<circle class="target" cx="{-x:.3f}" cy="{-y:.3f}" r="{TARGET}"/>'
+            f'<circle cx="{-x:.3f}" cy="{-y:.3f}" r="{RADIUS}" '
+            f'fill="{owner_color(k_effort)}"/></g>'
         )
 
 

@@ -36,7 +36,7 @@ class Joints:
         with ui.row().classes("share"):
             self._title = ui.label().classes("title")
             self._slider = ui.slider(min=0, max=255, step=1, value=0)
-            self._slider.props('dense label aria-label="k_effort of the limb"')
+            self._slider.props("dense label")
             self._slider.on("update:model-value", self._share_limb, throttle=0.1)
             self._share_value = ui.label().classes("number")
         self._box = ui.element("div").classes("dials")
@@ -78,6 +78,7 @@ class Joints:
     def _choose(self, limb: str) -> None:
         self._limb = limb
         self._title.set_text(limb)
+        self._slider.props(f'aria-label="k_effort of {limb}"')
         self._box.clear()
         with self._box:
             self._dials = {
@@ -158,7 +159,7 @@ class _Dial:
                 0.0, min=joint.lower, max=joint.upper, step=0.01, color=None
             )
             self._knob.props(
-                f'size=52px thickness=0.24 aria-label="{joint.name} [rad]"'
+                f'size=48px thickness=0.24 aria-label="{joint.name} [rad]"'
             )
             self._knob.on("update:model-value", move, throttle=0.08)
             with self._knob:

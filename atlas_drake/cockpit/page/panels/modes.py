@@ -30,7 +30,7 @@ class Modes:
             stop = button("STOP", partial(operating.order, "modes.stop"))
             stop.classes("stop").props('aria-label="STOP"')
             with stop:
-                ui.tooltip("Come to rest (Esc)")
+                ui.label("Esc").classes("key")
 
     def _add(self, behavior: BehaviorCard) -> None:
         name = behavior.name
@@ -41,7 +41,10 @@ class Modes:
             key = KEY_OF.get(name)
             if key is not None:
                 ui.label(key).classes("key")
-            self._whys[name] = ui.tooltip(behavior.description)
+            # Above, so that it does not cover STOP.
+            self._whys[name] = ui.tooltip(behavior.description).props(
+                'anchor="top middle" self="bottom middle"'
+            )
         self._buttons[name] = one
 
     def show(self, state: RunState) -> None:

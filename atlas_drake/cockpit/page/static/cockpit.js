@@ -10,6 +10,7 @@ const cockpit = {
   QUICK: 40,         // A picture that takes less is drawn by a graphics card [ms].
   COARSE: 0.5,       // Size of the others.
   REST: 1000,        // Longest pause after one of the others [ms].
+  LOWEST: 0.05,      // Least height of the camera and of what it looks at [m].
 
   CAPTION: "/Cameras/default/rotated/<object>/caption", // The page itself says it.
 
@@ -43,6 +44,7 @@ const cockpit = {
     });
     const frame = () => {
       this.follow();
+      this.stayAbove();
       this.viewer.animator.update();
       this.draw();
       if (commands) this.gamepad();
@@ -147,6 +149,22 @@ const cockpit = {
     this.viewer.camera.position.add(step);
     this.viewer.controls.target.add(step);
     this.viewer.set_dirty();
+  },
+
+  // Keeps the camera above the ground, which would hide everything from below.
+  stayAbove() {
+    const { camera, controls } = this.viewer, target = controls.target;
+    const sunk = this.LOWEST - target.y;
+    if (sunk > 0) {
+      target.y += sunk;
+      camera.position.y += sunk;
+    }
+    const away = camera.position.distanceTo(target);
+    controls.maxPolarAngle = Math.acos(Math.max((this.LOWEST - target.y) / away, -1));
+    if (sunk > 0 || camera.position.y < this.LOWEST - 1e-6) {
+      controls.update();
+      this.viewer.set_dirty();
+    }
   },
 
   save() {
