@@ -9,7 +9,7 @@ import json
 import math
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -18,7 +18,6 @@ import numpy as np
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
-from atlas_drake.messages.base import is_record
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
     BehaviorCatalog,
@@ -260,7 +259,7 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     if id(value) in path or len(path) == DEEPEST:
         return "..."
     within = (*path, id(value))
-    if isinstance(value, Message) or is_record(value):
+    if is_dataclass(value) and not isinstance(value, type):
         return {
             field.name: to_plain(getattr(value, field.name), within)
             for field in fields(value)

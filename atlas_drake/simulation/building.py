@@ -192,7 +192,7 @@ def _programme(
         literal = scenario.programme == "tutorial_literal"
         programme = control_mode_switch_programme(robot, literal)
     for index, entry in enumerate(scenario.messages):
-        message = entry.message(robot.joint_names, f"messages[{index}]", catalog)
+        message = entry.message(robot, f"messages[{index}]", catalog)
         if isinstance(message, AtlasCommand):
             kind = "joint command"
         else:

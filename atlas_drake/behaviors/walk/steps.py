@@ -45,7 +45,7 @@ LEVEL = 0.02
 """A step up or down by more than this leads to another level [m]."""
 EDGE = 0.02
 """Largest distance of a step to another level from its commanded place [m]."""
-_NO_STEP = AtlasBehaviorStepData().snapshot()
+_NO_STEP = AtlasBehaviorStepData().freeze()
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class StepPreview:
 
     @cached_property
     def reported(self) -> tuple[AtlasBehaviorStepData, ...]:
-        """The steps as snapshots of messages, filled up with empty ones."""
-        steps = tuple(step_data_from(step).snapshot() for step in self.steps)
+        """The steps as frozen messages, filled up with empty ones."""
+        steps = tuple(step_data_from(step).freeze() for step in self.steps)
         return steps + (_NO_STEP,) * (NUM_REQUIRED_WALK_STEPS - len(steps))
 
 
