@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         steps_turning,
     )
     from atlas_drake.planning.step_stream import StepStream
+    from atlas_drake.planning.walk_at import stop_walking, walk_at
     from atlas_drake.scenario import (
         Jitter,
         Model,
@@ -69,6 +70,8 @@ _LAZY = {
     "steps_along_arc": "atlas_drake.planning.footstep_planner",
     "steps_to": "atlas_drake.planning.footstep_planner",
     "steps_turning": "atlas_drake.planning.footstep_planner",
+    "stop_walking": "atlas_drake.planning.walk_at",
+    "walk_at": "atlas_drake.planning.walk_at",
 }
 
 __all__ = [  # noqa: PLE0604
@@ -101,6 +104,8 @@ __all__ = [  # noqa: PLE0604
     "steps_along_arc",
     "steps_to",
     "steps_turning",
+    "stop_walking",
+    "walk_at",
     *_messages,
 ]
 

@@ -1,7 +1,7 @@
 """Footholds relative to the stance foot.
 
-Plane geometry, and the message of a step. Ways are planned in ``footstep_planner`` and
-steered in ``cockpit.steering``.
+Plane geometry, and the message of a step. Walks to a goal are planned in
+``footstep_planner``, walks at a velocity in ``walk_at``.
 """
 
 from __future__ import annotations
