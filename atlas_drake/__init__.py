@@ -22,9 +22,9 @@ if TYPE_CHECKING:
         ControllerStatus,
         Plan,
         PlannedPaths,
-        PlannedStep,
     )
     from atlas_drake.messages.event import Event
+    from atlas_drake.messages.footstep import Footstep
     from atlas_drake.planning.footholds import Gait
     from atlas_drake.planning.footstep_planner import (
         steps_ahead,
@@ -52,7 +52,7 @@ _LAZY = {
     "Plan": "atlas_drake.messages.controller_status",
     "PlannedPaths": "atlas_drake.messages.controller_status",
     "PlannedPush": "atlas_drake.scenario",
-    "PlannedStep": "atlas_drake.messages.controller_status",
+    "Footstep": "atlas_drake.messages.footstep",
     "Block": "atlas_drake.scenario.terrain",
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
@@ -83,7 +83,7 @@ __all__ = [  # noqa: PLE0604
     "Plan",
     "PlannedPaths",
     "PlannedPush",
-    "PlannedStep",
+    "Footstep",
     "ErrorCode",
     "Gait",
     "InvalidMessageError",

@@ -27,9 +27,9 @@ from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
     PlannedPaths,
-    PlannedStep,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
@@ -47,7 +47,7 @@ PATHS = "planned_paths"
 FEEDBACK = "feedback"
 """Kind of the notes that hold the feedback of a user's own behavior."""
 FOOTSTEPS = "footsteps"
-"""Key in a note of PATHS: the footsteps to come, each as foot, x, y, z [m], yaw
+"""Key in a note of PATHS: the footsteps to come, each as index, foot, x, y, z [m], yaw
 [rad]."""
 PATH_GRID = 1e-4
 """Resolution to which points of paths are rounded [m]."""
@@ -195,7 +195,8 @@ def note_from_plan(time: float, plan: Plan, paths: PlannedPaths) -> Note:
         for field in fields(PlannedPaths)
     }
     data[FOOTSTEPS] = [
-        [step.foot, *map(float, step.p_WF), float(step.yaw)] for step in plan.footsteps
+        [step.index, step.foot, *map(float, step.p_WF), float(step.yaw)]
+        for step in plan.footsteps
     ]
     return Note(time, PATHS, data)
 
@@ -220,11 +221,11 @@ def paths_from_note(note: Note) -> PlannedPaths:
     return PlannedPaths(**paths)
 
 
-def footsteps_from_note(note: Note) -> tuple[PlannedStep, ...]:
+def footsteps_from_note(note: Note) -> tuple[Footstep, ...]:
     """Reads the footsteps from a note of ``note_from_plan``."""
     return tuple(
-        PlannedStep(int(foot), np.array([x, y, z]), yaw)
-        for foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
+        Footstep(int(index), int(foot), np.array([x, y, z]), yaw)
+        for index, foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
     )
 
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, clip
-from atlas_drake.control.rotations import wrap_angle
+from atlas_drake.control.feet.footstep import clip
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
     AtlasBehaviorStepData,
@@ -19,6 +18,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.checks import check_number
+from atlas_drake.messages.footstep import LEFT, RIGHT
 from atlas_drake.planning.footholds import (
     SIDEWAYS_SHARE,
     Foothold,
@@ -29,6 +29,7 @@ from atlas_drake.planning.footholds import (
     step_from,
     way_to,
 )
+from atlas_drake.rotations import wrap_angle
 
 SAME, SAME_YAW = 1e-3, 1e-3
 """Steps that differ by at most this are not sent again [m], [rad]."""

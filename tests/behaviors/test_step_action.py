@@ -14,16 +14,16 @@ from atlas_drake.behaviors.step.action import (
     resolve_action,
     step_spec_from,
 )
-from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasBehaviorStepParams,
     ToeOff,
     Vector3,
 )
+from atlas_drake.messages.footstep import FootPose
 from atlas_drake.planning.demo_steps import DEMO_STEPS
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import rotation_z
 
 DEFAULT = StepAction(knee_nominal=0.72)
 LEVEL = (0.0, 0.0)

@@ -21,11 +21,12 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 
 from .conftest import as_request
 

@@ -6,13 +6,14 @@ import pytest
 from atlas_drake.behaviors.balance import Balance, StanceConfig
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import quasi_static_limits
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import ToeOff
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)
 HALF_WIDTH = 0.14

@@ -8,17 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    FootPose,
-    Footstep,
-    landing_error,
-    outward,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import landing_error, outward, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z, wrap_angle
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z, wrap_angle
 
 LIMITS = StepLimits()
 FAR = st.floats(-2.0, 2.0)

@@ -13,14 +13,15 @@ from atlas_drake import (
     stop_walking,
     walk_at,
 )
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, saturate
+from atlas_drake.behaviors.footsteps import footstep_from
+from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorStepData
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import foothold
 from atlas_drake.planning.walk_at import first_open_step
+from atlas_drake.rotations import rotation_z
 
 GAIT = Gait()
 AHEAD = GAIT.stride / GAIT.duration

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -23,8 +21,10 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import mean_yaw
 
 LEAST = {
     "sway_duration": 0.2,

@@ -7,7 +7,7 @@ ends.
 from __future__ import annotations
 
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
+from atlas_drake.behaviors.footsteps import out_of_reach, pace_changed
 from atlas_drake.behaviors.step.action import (
     DesiredStep,
     StepAction,
@@ -24,13 +24,14 @@ from atlas_drake.behaviors.step.phases import (
 )
 from atlas_drake.behaviors.step.plan import StepPlan
 from atlas_drake.behaviors.step.step_balance import StepBalance
-from atlas_drake.control.feet.footstep import FootPose, resolve_height
+from atlas_drake.control.feet.footstep import resolve_height
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import FootPose
 from atlas_drake.planning.footholds import Gait
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import with_foot
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.phases import (

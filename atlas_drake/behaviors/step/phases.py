@@ -14,11 +14,11 @@ from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.feet.step_swing import StepSwing as SwingPath
 from atlas_drake.control.feet.swing_foot import quintic_progress
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 
 @dataclass(frozen=True)

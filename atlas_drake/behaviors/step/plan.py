@@ -14,12 +14,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.configuration import Configuration, NotNegative, Share
-from atlas_drake.control.feet.footstep import (
-    FootPose,
-    Footstep,
-    resolve_height,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import resolve_height, saturate
 from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
     highest_sole,
@@ -30,10 +25,11 @@ from atlas_drake.control.feet.leg_kinematics import (
 )
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
+from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 
 @dataclass(frozen=True)

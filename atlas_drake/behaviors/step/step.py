@@ -15,6 +15,7 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.entry import BehaviorTools
+from atlas_drake.behaviors.footsteps import step_data_from
 from atlas_drake.behaviors.step.action import StepAction, step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import (
@@ -34,7 +35,6 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
-from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,

@@ -28,9 +28,9 @@ from atlas_drake.control.balance.weight_shift import (
     plan_weight_shift,
     sway_duration,
 )
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_kinematics import highest_com
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import mean_yaw
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
-from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step_queue import merge, step_data_from
+from atlas_drake.behaviors.footsteps import (
+    merge,
+    out_of_reach,
+    pace_changed,
+    step_data_from,
+)
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.control.feet.footstep import (
-    LEFT,
-    FootPose,
-    Footstep,
     ensure_clearance,
     heading_error,
     landing_error,
@@ -33,6 +34,7 @@ from atlas_drake.messages import (
     AtlasBehaviorWalkParams,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 
