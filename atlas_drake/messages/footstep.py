@@ -14,6 +14,7 @@ import numpy as np
 
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen, read_only
+from atlas_drake.messages.behavior_params import ToeOff
 from atlas_drake.numeric import as_float
 from atlas_drake.rotations import rotation_with_normal, yaw_of
 
@@ -41,6 +42,39 @@ class FootPose:
 
 
 @dataclass(frozen=True)
+class StepAction:
+    """Timing and motion of a step of STEP; the defaults are safe for the robot.
+
+    Attributes:
+        step_duration: Duration of single support [s].
+        sway_duration: Duration of the weight shift before single support [s].
+        swing_height: Rise above the lift height while the foot moves across [m].
+        lift_height: Vertical lift above the higher of the two footholds [m].
+        knee_nominal: Flexion of the standing knee [rad].
+        max_body_accel: Largest acceleration of the body; a lower bound of the weight
+            shift's duration follows from it [m/s²].
+        max_foot_vel: Largest speed of the foot; a lower bound of the step's duration
+            follows from it [m/s].
+        sway_end_dist: Distance from the end of the weight shift to the middle of the
+            standing sole [m].
+        step_end_dist: Distance by which the body leans into the step as the foot comes
+            down [m].
+        toe_off: Setting for the heel of the leaving foot in the weight shift.
+    """
+
+    step_duration: float = 0.7
+    sway_duration: float = 0.6
+    swing_height: float = 0.02
+    lift_height: float = 0.06
+    knee_nominal: float = 0.6
+    max_body_accel: float = 0.4
+    max_foot_vel: float = 0.5
+    sway_end_dist: float = 0.01
+    step_end_dist: float = 0.0
+    toe_off: ToeOff = ToeOff.ENABLE
+
+
+@dataclass(frozen=True)
 class Footstep(Frozen):
     """One step.
 
@@ -55,6 +89,7 @@ class Footstep(Frozen):
             (3,).
         relative: True if the height in ``p_WF`` is relative to the stance foot, not in
             W.
+        action: Timing and motion, for STEP.
     """
 
     index: int
@@ -65,6 +100,7 @@ class Footstep(Frozen):
     swing_height: float = 0.0
     normal: np.ndarray = field(default_factory=lambda: UP)
     relative: bool = False
+    action: StepAction = StepAction()
 
     def __post_init__(self) -> None:
         """Take the point as a read-only array.
@@ -90,5 +126,5 @@ class Footstep(Frozen):
         return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
-def _refuse(name: str, wanted: str, value: object) -> NoReturn:
-    raise ValueError(f"{name} of a Footstep must be {wanted}, is {shown(value)}")
+def _refuse(name: str, required: str, value: object) -> NoReturn:
+    raise ValueError(f"{name} of a Footstep must be {required}, is {shown(value)}")
