@@ -1,6 +1,8 @@
 """The door refuses any fault by name, and gives what it accepts one frozen form."""
 
 import copy
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +22,16 @@ from atlas_drake.messages import (
     Refusal,
     accept,
 )
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
 from atlas_drake.messages.commands import commands_at_start, latch
 from atlas_drake.robot import load_robot
 
 from .hostile import filled_command, paths, put, spoiled_commands
+from .poison import POISON
 
 ROBOT = load_robot()
 KINDS = [AtlasCommand, AtlasSimInterfaceCommand]
@@ -183,3 +191,27 @@ def test_any_other_value_is_no_message():
     assert isinstance(accepted(AtlasCommand()).message, Message)
     outcome = accept(AtlasCommand(), ROBOT, kind=AtlasSimInterfaceCommand)
     assert isinstance(outcome, Refusal)
+
+
+@dataclass
+class Anything:
+    """Parameters of a behavior of one's own."""
+
+    value: Any
+
+
+@pytest.mark.parametrize("poison", POISON)
+def test_parameters_of_a_users_behavior_are_refused_or_compared(poison):
+    bow = BehaviorInterface(name="BOW", number=100, params=Anything)
+    catalog = BehaviorCatalog((*SHIPPED, bow))
+
+    def outcome():
+        params = Anything(POISON[poison]())
+        message = AtlasSimInterfaceCommand(behavior="BOW", params=params)
+        return accept(message, ROBOT, catalog)
+
+    # What stays on a port is no news, whether it can be used or not.
+    assert outcome() == outcome()
+    never = ("unspeakable", "generator", "nested too deep", "list within itself")
+    if poison in never:
+        assert outcome().field == "params"

@@ -144,7 +144,7 @@ def same(a: Any, b: Any) -> bool:
     """Return True if two values of a field are equal.
 
     Lists, tuples and arrays are compared by their elements, dataclasses and mappings by
-    their values, and objects that do not define equality by their type.
+    their values, and objects that do not define equality by their type. NaN equals NaN.
     """
     if _is_sequence(a) and _is_sequence(b):
         return len(a) == len(b) and all(map(same, a, b))
@@ -155,7 +155,8 @@ def same(a: Any, b: Any) -> bool:
     if is_dataclass(a) and not isinstance(a, type | Message):
         get = _getter(type(a))
         return all(map(same, get(a), get(b)))
-    return bool(np.all(a == b)) or not _defines_equality(type(a))
+    both_nan = bool(np.all(a != a) and np.all(b != b))
+    return bool(np.all(a == b)) or both_nan or not _defines_equality(type(a))
 
 
 def _defines_equality(kind: Any) -> bool:

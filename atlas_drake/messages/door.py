@@ -22,6 +22,7 @@ from atlas_drake.errors import ErrorCode, InvalidMessageError, described
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.atlas_command import AtlasCommand
 from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.base import same
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.joint_command import JOINT_FIELDS
 
@@ -135,13 +136,16 @@ def _copy_params(message: AtlasSimInterfaceCommand) -> None:
     """Replace the parameters of a user's own behavior by a copy, arrays read-only.
 
     Raises:
-        InvalidMessageError: If they cannot be copied.
+        InvalidMessageError: If they cannot be copied, or do not equal their copy.
     """
     try:
         copied = read_only(copy.deepcopy(message.params))
-    except Exception as error:  # The user's own objects may raise any error.
-        problem = f"cannot be copied: {type(error).__name__}"
-        raise InvalidMessageError("params", message.params, problem) from error
+        is_sound = same(copied, message.params)
+    except Exception:  # The user's own objects may raise any error.
+        is_sound = False
+    if not is_sound:
+        problem = "must be values that can be copied and compared"
+        raise InvalidMessageError("params", message.params, problem)
     object.__setattr__(message, "params", copied)
 
 
