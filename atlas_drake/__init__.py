@@ -22,9 +22,9 @@ if TYPE_CHECKING:
         ControllerStatus,
         Plan,
         PlannedPaths,
-        PlannedStep,
     )
     from atlas_drake.messages.event import Event
+    from atlas_drake.messages.footstep import Footstep
     from atlas_drake.planning.footholds import Gait
     from atlas_drake.planning.footstep_planner import (
         steps_ahead,
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         steps_turning,
     )
     from atlas_drake.planning.step_stream import StepStream
+    from atlas_drake.planning.walk_at import stop_walking, walk_at
     from atlas_drake.scenario import (
         Jitter,
         Model,
@@ -51,7 +52,7 @@ _LAZY = {
     "Plan": "atlas_drake.messages.controller_status",
     "PlannedPaths": "atlas_drake.messages.controller_status",
     "PlannedPush": "atlas_drake.scenario",
-    "PlannedStep": "atlas_drake.messages.controller_status",
+    "Footstep": "atlas_drake.messages.footstep",
     "Block": "atlas_drake.scenario.terrain",
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
@@ -69,6 +70,8 @@ _LAZY = {
     "steps_along_arc": "atlas_drake.planning.footstep_planner",
     "steps_to": "atlas_drake.planning.footstep_planner",
     "steps_turning": "atlas_drake.planning.footstep_planner",
+    "stop_walking": "atlas_drake.planning.walk_at",
+    "walk_at": "atlas_drake.planning.walk_at",
 }
 
 __all__ = [  # noqa: PLE0604
@@ -80,7 +83,7 @@ __all__ = [  # noqa: PLE0604
     "Plan",
     "PlannedPaths",
     "PlannedPush",
-    "PlannedStep",
+    "Footstep",
     "ErrorCode",
     "Gait",
     "InvalidMessageError",
@@ -101,6 +104,8 @@ __all__ = [  # noqa: PLE0604
     "steps_along_arc",
     "steps_to",
     "steps_turning",
+    "stop_walking",
+    "walk_at",
     *_messages,
 ]
 

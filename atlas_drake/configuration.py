@@ -5,6 +5,7 @@ Declarations only; ``checked`` reads and checks values against them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from annotated_types import Ge, Gt, Interval, Len
@@ -75,15 +76,7 @@ class Configuration:
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> dict[str, Any]:
         """Describes the class to pydantic."""
         schema = take_yaml(handler(source), handler)
-        # In place, because other places of the same type refer to this description.
-        whole = handler.resolve_ref_schema(schema)
-        fields = {name: part for name, part in whole.items() if name != "ref"}
-        whole.pop("schema")
-        after = {"type": "no-info", "function": _after_check}
-        whole.update(type="function-after", function=after, schema=fields)
-        for name in fields.keys() - {"type", "schema", "metadata"}:
-            whole.pop(name, None)
-        return schema
+        return finished_by(_after_check, schema, handler)
 
 
 def take_yaml(schema: dict[str, Any], handler: Any) -> dict[str, Any]:
@@ -99,6 +92,21 @@ def take_yaml(schema: dict[str, Any], handler: Any) -> dict[str, Any]:
                 part["strict"] = False
         elif isinstance(part, list):
             pending += part
+    return schema
+
+
+def finished_by(
+    function: Callable[[Any], Any], schema: dict[str, Any], handler: Any
+) -> dict[str, Any]:
+    """Lets pydantic hand each value of a class to ``function``, which returns it."""
+    # In place, because other places of the same type refer to this description.
+    whole = handler.resolve_ref_schema(schema)
+    fields = {name: part for name, part in whole.items() if name != "ref"}
+    whole.pop("schema")
+    after = {"type": "no-info", "function": function}
+    whole.update(type="function-after", function=after, schema=fields)
+    for name in fields.keys() - {"type", "schema", "metadata"}:
+        whole.pop(name, None)
     return schema
 
 

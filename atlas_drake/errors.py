@@ -134,6 +134,12 @@ def shown(value: object) -> str:
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
 
 
+def described(value: object) -> str:
+    """Returns the text of a number or a word, and of other values their type."""
+    plain = value is None or isinstance(value, int | float | complex | str)
+    return shown(value) if plain else type(value).__name__
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Names the valid word nearest to a mistyped word.
 

@@ -1,6 +1,6 @@
 """Recognizes numbers of any type, and converts them to Python's own.
 
-Bounds of fields are in ``checks`` and in the scenario.
+Bounds of fields stand beside them.
 """
 
 import math

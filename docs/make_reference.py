@@ -385,6 +385,9 @@ def _kind(annotation: Any) -> str:
     """A field's type in words that fit into a table."""
     if typing.get_origin(annotation) is typing.Annotated:
         annotation = typing.get_args(annotation)[0]
+    if typing.get_origin(annotation) is typing.Union:  # Of annotated types.
+        kinds = map(_kind, typing.get_args(annotation))
+        return " or ".join(kinds).replace("NoneType", "None")
     # From Python 3.14 on unions have a name too, and it says nothing.
     named = not isinstance(annotation, types.UnionType)
     text = str(getattr(annotation, "__name__", annotation) if named else annotation)

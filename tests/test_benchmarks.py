@@ -21,9 +21,10 @@ from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.configuration import LeastGreatest
-from atlas_drake.control.feet.footstep import RIGHT, FootPose, limit_duration, saturate
+from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import RIGHT, FootPose
+from atlas_drake.rotations import rotation_z
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 SCRIPTS = sorted(

@@ -2,7 +2,6 @@
 
 import copy
 import functools
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -18,15 +17,12 @@ from atlas_drake import (
     BehaviorStatus,
     Header,
     InvalidMessageError,
-    Pose,
-    Quaternion,
-    Vector3,
     read_log,
 )
-from atlas_drake.messages.checks import LARGEST
 from atlas_drake.messages.commands import KEPT
+from atlas_drake.messages.fields import LARGEST
 
-from .poison import POISON
+from .hostile import spoiled_commands
 
 ARRAYS = (
     "position",
@@ -38,96 +34,6 @@ ARRAYS = (
     "k_effort",
 )
 """Those that both commands have."""
-
-nonsense = st.one_of(
-    st.none(),
-    st.booleans(),
-    st.complex_numbers(),
-    st.text(min_size=1, max_size=3),
-    st.sampled_from([float("nan"), float("inf"), -float("inf"), 1e400, 10**400]),
-    st.builds(Vector3),
-    st.builds(object),
-    st.builds(dict),
-    st.sampled_from(list(POISON.values())).map(lambda make: make()),
-)
-"""What no field of a command can hold."""
-
-spoiled_arrays = st.one_of(
-    nonsense,
-    st.lists(st.floats(), min_size=1, max_size=5),
-    st.integers(1, 60).filter(lambda n: n != 28).map(lambda n: [0.0] * n),
-    st.tuples(
-        st.integers(0, 27), nonsense.filter(lambda x: not isinstance(x, bool))
-    ).map(lambda pick: [*([0] * pick[0]), pick[1], *([0] * (27 - pick[0]))]),
-    st.just(np.full(28, np.nan)),
-    st.just(np.zeros((28, 1))),
-)
-
-
-def with_fields(message, **fields):
-    """The message with some fields set, as a script would set them."""
-    for name, value in fields.items():
-        setattr(message, name, value)
-    return message
-
-
-def with_step(field, value):
-    """A walk whose first step has something wrong."""
-    step = AtlasBehaviorStepData(step_index=1, foot_index=0, duration=0.63)
-    command = AtlasSimInterfaceCommand(behavior="WALK")
-    command.walk_params.step_queue[0] = with_fields(step, **{field: value})
-    return command
-
-
-spoiled_commands = st.one_of(
-    st.builds(
-        lambda name, value: with_fields(AtlasCommand(), **{name: value}),
-        st.sampled_from((*ARRAYS, "kd_position", "i_effort_min", "i_effort_max")),
-        spoiled_arrays,
-    ),
-    st.builds(
-        lambda name, value: with_fields(
-            AtlasSimInterfaceCommand(behavior="STAND"), **{name: value}
-        ),
-        st.sampled_from(ARRAYS),
-        spoiled_arrays,
-    ),
-    st.builds(
-        lambda value: AtlasSimInterfaceCommand(behavior=value),
-        st.one_of(
-            nonsense,
-            st.integers(8),
-            st.integers(max_value=-1),
-            st.just("WALLK"),
-        ),
-    ),
-    st.builds(
-        lambda name, value: with_fields(
-            AtlasSimInterfaceCommand(behavior="STAND"), **{name: value}
-        ),
-        st.sampled_from(("walk_params", "step_params", "manipulate_params", "header")),
-        nonsense,
-    ),
-    st.builds(
-        with_step,
-        st.sampled_from(
-            ("step_index", "foot_index", "duration", "swing_height", "pose")
-        ),
-        nonsense.filter(lambda value: value is not True),
-    ),
-    st.builds(
-        lambda value: with_step(
-            "pose", Pose(position=Vector3(value, 0.0, 0.0), orientation=Quaternion())
-        ),
-        nonsense.filter(lambda value: not isinstance(value, bool | int | float)),
-    ),
-    st.builds(
-        lambda kind, stamp: kind(header=Header(stamp=stamp)),
-        st.sampled_from((AtlasCommand, AtlasSimInterfaceCommand)),
-        st.sampled_from([float("nan"), -1.0, "now"]),
-    ),
-)
-"""Commands that must be refused, each for one reason."""
 
 
 def steps_ahead(sim, command):
@@ -173,16 +79,17 @@ def robot_in(behavior):
 )
 @given(
     letters=st.lists(
-        st.tuples(spoiled_commands, st.floats(0.0, 0.01)), min_size=10, max_size=10
+        st.tuples(spoiled_commands(), st.floats(0.0, 0.01)), min_size=10, max_size=10
     )
 )
 def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
     sim = robot_in(behavior)
-    for message, wait in letters:
+    for (message, path), wait in letters:
         force, number = sim.output("commands"), len(sim.events)
         with pytest.raises(InvalidMessageError) as caught:
             sim.publish(message)
         sim.advance(0.004 + wait)
+        assert caught.value.field.startswith(path)
         after = sim.output("commands")
         assert after.joints is force.joints
         assert after.request is force.request
@@ -203,69 +110,15 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         assert not report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
 
 
-STEP = "walk_params.step_queue[0]"
-
-
-def put(message, path, value):
-    """Sets a field, given by its path from the message."""
-    *way, name = path.replace("[0]", ".0").split(".")
-    for part in way:
-        message = message[int(part)] if part.isdigit() else getattr(message, part)
-    setattr(message, name, value)
-
-
-@pytest.mark.parametrize(
-    "path",
-    [
-        "position",
-        "behavior",
-        f"{STEP}.duration",
-    ],
-)
-def test_poison_is_refused_by_name_and_the_run_goes_on(logged, poison, path):
-    sim, _ = logged
-    step = AtlasBehaviorStepData(step_index=1, foot_index=0, duration=0.63)
-    command = AtlasSimInterfaceCommand(behavior="WALK")
-    command.walk_params.step_queue[0] = step
-    put(command, path, poison())
-    force = sim.output("commands")
-    for message in (command, command.snapshot()):
-        with pytest.raises(InvalidMessageError) as caught:
-            sim.publish(message)
-        assert caught.value.field.startswith(path)
-        assert len(str(caught.value)) < 1000
-    after = sim.output("commands")
-    assert after.request is force.request
-    assert after.joints is force.joints
-    assert after.refused == force.refused + 2
-    sim.advance(0.002)
-
-
 @pytest.fixture(scope="module")
 def logged(tmp_path_factory):
-    """A robot whose log gets all that is refused."""
+    """A robot whose log gets all that is accepted."""
     file = tmp_path_factory.mktemp("hostile") / "run.npz"
     with AtlasSimulation(log=file) as sim:
         sim.advance(0.01)  # Each test may run alone; a log has a sample.
-        yield sim, file
-        received = sim.output("commands").received
-    assert len(read_log(file).commands) == received
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "stamp", [np.timedelta64(1, "s"), 10**5000], ids=["duration", "5000 digits"]
-)
-@pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
-def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
-    sim = robot_in(Behavior.STAND)
-    other = {AtlasCommand, AtlasSimInterfaceCommand} - {kind}
-    sim.publish(
-        other.pop()(behavior="STAND") if kind is AtlasCommand else AtlasCommand()
-    )
-    with pytest.raises(InvalidMessageError, match=r"header\.stamp"):
-        sim.publish(kind(header=Header(stamp=stamp)))
-    sim.advance(0.004)
+        yield sim
+        commands = sim.output("commands")
+    assert len(read_log(file).commands) == commands.received - commands.refused
 
 
 def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
@@ -289,21 +142,21 @@ def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
 
 def test_numbers_of_every_kind_are_numbers(logged):
     """Python's own from then on, so that behaviors can calculate with them."""
-    sim, _ = logged
+    sim = logged
     command = AtlasSimInterfaceCommand(behavior=np.int64(Behavior.MANIPULATE))
     command.manipulate_params.use_desired = np.True_
     desired = command.manipulate_params.desired
-    desired.pelvis_height = Fraction(17, 20)
+    desired.pelvis_height = np.float64(0.85)
     desired.pelvis_pitch = np.float32(0.125)
     desired.com_v0 = np.int16(0)
-    command.position = [np.float16(0.5), *[Fraction(1, 3)] * 27]
+    command.position = [np.float16(0.5), *[np.uint8(1)] * 27]
     sim.publish(command)
     sim.advance(0.01)
     assert sim.current_behavior is Behavior.MANIPULATE
     heard = sim.output("commands").request.command
     assert type(heard.manipulate_params.desired.pelvis_height) is float
     assert heard.manipulate_params.desired.pelvis_pitch == 0.125
-    assert sim.output("commands").joints.position[1] == pytest.approx(1 / 3)
+    assert sim.output("commands").joints.position[1] == 1.0
 
 
 def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
@@ -321,27 +174,23 @@ def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
     assert sim.output("commands").refused == count
     assert events.count("behavior") == count
     log = read_log(tmp_path / "run.npz")
-    assert len(log.commands) == 2 * count
+    assert len(log.commands) == count
     assert all(command.time == pytest.approx(0.01) for command in log.commands)
     assert len(log.events) == len(sim.events)
 
 
 def test_the_same_message_published_again_counts_again(logged):
-    sim, _ = logged
-    for message in (
-        AtlasSimInterfaceCommand(behavior="STAND"),
-        AtlasSimInterfaceCommand(behavior="STAND").snapshot(),
-    ):
-        for _ in range(3):
-            before = sim.output("commands").received
-            sim.publish(message)
-            assert sim.output("commands").request.number == before + 1
+    message = AtlasSimInterfaceCommand(behavior="STAND")
+    for _ in range(3):
+        before = logged.output("commands").received
+        logged.publish(message)
+        assert logged.output("commands").request.number == before + 1
 
 
 def test_publish_refuses_values_that_are_no_command(logged):
     for thing in (None, 5, "STAND", Header(), object()):
         with pytest.raises(TypeError, match="publish takes an AtlasCommand"):
-            logged[0].publish(thing)
+            logged.publish(thing)
 
 
 def violent(random, decades):

@@ -18,7 +18,7 @@ from atlas_drake import (
     Vector3,
 )
 from atlas_drake.control.estimation.attitude import rotation_matrix
-from atlas_drake.control.rotations import rotation_with_normal
+from atlas_drake.rotations import rotation_with_normal
 from atlas_drake.scenario import Jitter, Start
 from atlas_drake.scenario.terrain import Block, surface_height
 

@@ -30,7 +30,7 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
-from atlas_drake.behaviors.footstep_event import is_elsewhere
+from atlas_drake.behaviors.footsteps import is_elsewhere
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT

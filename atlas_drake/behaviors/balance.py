@@ -18,7 +18,6 @@ from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
@@ -39,6 +38,7 @@ from atlas_drake.control.whole_body.tasks import (
     position_acceleration,
 )
 from atlas_drake.frozen import read_only
+from atlas_drake.messages.footstep import FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
 

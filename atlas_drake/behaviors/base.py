@@ -14,13 +14,13 @@ import numpy as np
 
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import read_only
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import FootPose
 
 
 @dataclass(frozen=True)

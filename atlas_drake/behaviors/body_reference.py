@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive
-from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.rotations import orientation, tilt_of, wrap_angle, yaw_of
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose, Footstep
-from atlas_drake.messages.controller_status import Plan, PlannedStep
+from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 TIME_STEP = 0.04
 """Time between two points of a planned path [s]."""
@@ -52,7 +52,7 @@ class Phase:
             omega=omega,
             dcm_reference=reference.dcm,
             cop_reference=reference.cop,
-            footsteps=tuple(PlannedStep(s.foot, s.p_WF, s.yaw) for s in steps),
+            footsteps=steps,
         )
 
 

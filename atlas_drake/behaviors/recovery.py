@@ -58,5 +58,5 @@ class Recovery:
 
 def walk_without_steps(last: BehaviorRequest) -> BehaviorRequest:
     """Returns a request for WALK without steps, as old as the ``last`` request."""
-    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
+    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK).freeze()
     return replace(last, behavior=Behavior.WALK, command=command)

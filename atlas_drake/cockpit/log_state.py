@@ -11,12 +11,12 @@ from atlas_drake.cockpit.pelvis_controls import COORDINATES
 from atlas_drake.cockpit.plot_controls import column_units
 from atlas_drake.cockpit.state import BehaviorCard, LogCard, RunCard, RunState
 from atlas_drake.control.estimation.attitude import rotation_matrix
-from atlas_drake.control.rotations import yaw_of
 from atlas_drake.logs.channels import polygon_from
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.planning.footholds import foothold
+from atlas_drake.rotations import yaw_of
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS
 
 REFUSAL = "A log is shown: it can be played, not commanded"

@@ -11,7 +11,6 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.cockpit.joint_controls import JointControls
 from atlas_drake.cockpit.pelvis_controls import PelvisControls
 from atlas_drake.cockpit.walk_controls import WalkControls
-from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -19,6 +18,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
+from atlas_drake.messages.footstep import LEFT
 from atlas_drake.planning.footholds import foothold, step_data, step_from
 
 if TYPE_CHECKING:

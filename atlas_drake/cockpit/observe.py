@@ -15,11 +15,11 @@ from atlas_drake.cockpit.pelvis_controls import COORDINATES
 from atlas_drake.cockpit.state import Point, RunState, events_after
 from atlas_drake.cockpit.walk_controls import GAIT, marks_of
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
-from atlas_drake.control.rotations import yaw_of
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.messages import NO_STEP, AtlasSimInterfaceState, Behavior
 from atlas_drake.planning.footholds import foothold
+from atlas_drake.rotations import yaw_of
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

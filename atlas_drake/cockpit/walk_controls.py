@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from atlas_drake.cockpit.driving import Drive, drive, steer
-from atlas_drake.cockpit.steering import Direction
 from atlas_drake.control.feet.footstep import clip
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
 )
 from atlas_drake.messages.checks import check_number
-from atlas_drake.planning.footholds import Foothold, Gait, foothold, step_data
+from atlas_drake.planning.footholds import (
+    SIDEWAYS_SHARE,
+    Foothold,
+    Gait,
+    foothold,
+    step_data,
+)
 from atlas_drake.planning.footstep_planner import steps_to
 from atlas_drake.planning.step_stream import StepStream
+from atlas_drake.planning.walk_at import stop_walking, walk_at
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
@@ -28,6 +34,36 @@ RESOLUTION = 0.25
 """Shares of a direction are rounded to this: the tremor of a stick sends no command."""
 DEAD_ZONE = 0.2
 """Smaller shares of a direction count as 0."""
+PATIENCE = 1.0
+"""Time within which a requested walk begins; later it counts as refused [s]."""
+
+
+class Direction(NamedTuple):
+    """Direction of the walk: shares of the stride and of the turn per step, -1 to 1.
+
+    Attributes:
+        forward: Negative is backward.
+        left: Negative is to the right.
+        turn: Positive is to the left.
+    """
+
+    forward: float = 0.0
+    left: float = 0.0
+    turn: float = 0.0
+
+    def velocity(self, gait: Gait) -> tuple[float, float, float]:
+        """Returns the speeds ahead and to the left [m/s], and the turn [rad/s].
+
+        Args:
+            gait: Gait of which these are shares.
+        """
+        longest = gait.stride if self.forward > 0.0 else gait.backward_stride
+        widest = 0.5 * SIDEWAYS_SHARE * gait.stride
+        full = (longest, widest, gait.turn)
+        forward, left, turn = (
+            part * most / gait.duration for part, most in zip(self, full, strict=True)
+        )
+        return forward, left, turn
 
 
 class WalkControls:
@@ -37,7 +73,9 @@ class WalkControls:
         """Takes the usual gait of the simulation's robot."""
         self._sim = sim
         self._gait = sim.scenario.controller_config().gait()
-        self._drive = Drive()
+        self._direction: Direction | None = None
+        self._asked_at: float | None = None  # Time at which a walk was requested [s].
+        self._has_begun = self._is_stopping = False
         self._plan: tuple[AtlasBehaviorStepData, ...] = ()
         self._stream: StepStream | None = None
 
@@ -49,7 +87,7 @@ class WalkControls:
     @property
     def direction(self) -> Direction | None:
         """Direction of the walk; None without one."""
-        return self._drive.direction
+        return self._direction
 
     @property
     def plan(self) -> tuple[AtlasBehaviorStepData, ...]:
@@ -77,18 +115,21 @@ class WalkControls:
             for name, value in (("forward", forward), ("left", left), ("turn", turn))
         ]
         self._stream = None
-        self._drive = steer(self._drive, Direction(*shares))
+        self._direction, self._is_stopping = Direction(*shares), False
+        if self._sim.current_behavior != Behavior.WALK:
+            self._has_begun, self._asked_at = False, None
 
     def stop(self) -> None:
         """Ends the walk with the feet side by side; STAND follows."""
-        self._stream = None
-        if self._drive.walker is None and self._sim.current_behavior == Behavior.WALK:
+        is_steered = self._direction is not None or self._is_stopping
+        if not is_steered and self._sim.current_behavior == Behavior.WALK:
             self._sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND))
-        self._drive = steer(self._drive, None)
+        self._stream, self._direction, self._is_stopping = None, None, is_steered
 
     def let_go(self) -> None:
         """Forgets the walk, without a command: another behavior was asked for."""
-        self._stream, self._drive = None, Drive()
+        self._stream, self._direction, self._asked_at = None, None, None
+        self._has_begun = self._is_stopping = False
 
     def set_gait(self, **values: float) -> dict[str, float]:
         """Changes the gait of the next steps.
@@ -152,9 +193,9 @@ class WalkControls:
         """Walks over the plan that is shown, from STAND or from any walk's end."""
         if not self._plan:
             raise InvalidMessageError("plan", 0, "there is no plan to send")
+        self.let_go()
         self._stream = StepStream(self._plan)
         self._plan = ()
-        self._drive = Drive()
         if self._sim.current_behavior != Behavior.STAND:
             self._sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND))
 
@@ -166,7 +207,7 @@ class WalkControls:
 
     def update(self) -> None:
         """Sends the next steps, if it is time."""
-        if self._stream is None and self._drive == Drive():
+        if self._stream is None and self._direction is None and not self._is_stopping:
             return
         report = self._sim.atlas_sim_interface_state
         if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
@@ -174,9 +215,35 @@ class WalkControls:
         if self._stream is not None:
             self._follow_plan(self._stream)
             return
-        self._drive, command = drive(self._drive, self._gait, report)
+        command = self._next_command(report)
         if command is not None:
             self._sim.publish(command)
+
+    def _next_command(
+        self, report: AtlasSimInterfaceState
+    ) -> AtlasSimInterfaceCommand | None:
+        """Returns the command of the walk by direction to send now, if any."""
+        current = report.current_behavior
+        if self._is_stopping and current == Behavior.WALK:
+            return stop_walking(report, self._gait)
+        if current == Behavior.WALK:
+            self._has_begun = True
+        elif self._is_stopping or self._has_begun or self._is_refused(report):
+            # A walk that ended or was refused begins only on another request.
+            self.let_go()
+        if self._direction is None:
+            return None
+        return walk_at(report, *self._direction.velocity(self._gait), self._gait)
+
+    def _is_refused(self, report: AtlasSimInterfaceState) -> bool:
+        """Returns True if the robot does not obey; it may have to stand up first."""
+        now = report.header.stamp or 0.0
+        is_standing_up = (
+            report.desired_behavior == Behavior.STAND != report.current_behavior
+        )
+        if self._asked_at is None or is_standing_up:
+            self._asked_at = now
+        return now > self._asked_at + PATIENCE
 
     def _follow_plan(self, stream: StepStream) -> None:
         report = self._sim.atlas_sim_interface_state

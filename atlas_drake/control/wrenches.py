@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.control.rotations import cross
+from atlas_drake.rotations import cross
 
 
 def shift_wrench(wrench: np.ndarray, p_WQ: np.ndarray) -> None:

@@ -15,12 +15,12 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import JOINT_COLORS, Band, Item, Line, Outline, Panel
 from atlas_drake.palette import COM, COP, DCM, FEET, hex_color
+from atlas_drake.rotations import rotation_z
 
 CONTACT_SHARE = 0.04
 """Least share of the robot's weight on a sole that counts as contact [-]."""

@@ -127,9 +127,7 @@ class Log:
     def commands(self) -> list[LoggedCommand]:
         """The commands as they were sent, in order."""
         return [
-            LoggedCommand(
-                note.time, message_from(COMMANDS[note.kind], note.data, strict=False)
-            )
+            LoggedCommand(note.time, message_from(COMMANDS[note.kind], note.data))
             for note in self.notes
             if note.kind in COMMANDS
         ]

@@ -231,5 +231,5 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
         # A refused command does not change the number.
         if number > (int(numbers[row - 1]) if row else 0):
             behavior = log.header.catalog.find(message.behavior)
-            requests[number] = BehaviorRequest(behavior, message.snapshot(), number)
+            requests[number] = BehaviorRequest(behavior, message.freeze(), number)
     return requests

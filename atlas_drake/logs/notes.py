@@ -9,7 +9,7 @@ import json
 import math
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -18,7 +18,6 @@ import numpy as np
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
-from atlas_drake.messages.base import is_record
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
     BehaviorCatalog,
@@ -28,9 +27,9 @@ from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
     PlannedPaths,
-    PlannedStep,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
@@ -48,7 +47,7 @@ PATHS = "planned_paths"
 FEEDBACK = "feedback"
 """Kind of the notes that hold the feedback of a user's own behavior."""
 FOOTSTEPS = "footsteps"
-"""Key in a note of PATHS: the footsteps to come, each as foot, x, y, z [m], yaw
+"""Key in a note of PATHS: the footsteps to come, each as index, foot, x, y, z [m], yaw
 [rad]."""
 PATH_GRID = 1e-4
 """Resolution to which points of paths are rounded [m]."""
@@ -196,7 +195,8 @@ def note_from_plan(time: float, plan: Plan, paths: PlannedPaths) -> Note:
         for field in fields(PlannedPaths)
     }
     data[FOOTSTEPS] = [
-        [step.foot, *map(float, step.p_WF), float(step.yaw)] for step in plan.footsteps
+        [step.index, step.foot, *map(float, step.p_WF), float(step.yaw)]
+        for step in plan.footsteps
     ]
     return Note(time, PATHS, data)
 
@@ -221,11 +221,11 @@ def paths_from_note(note: Note) -> PlannedPaths:
     return PlannedPaths(**paths)
 
 
-def footsteps_from_note(note: Note) -> tuple[PlannedStep, ...]:
+def footsteps_from_note(note: Note) -> tuple[Footstep, ...]:
     """Reads the footsteps from a note of ``note_from_plan``."""
     return tuple(
-        PlannedStep(int(foot), np.array([x, y, z]), yaw)
-        for foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
+        Footstep(int(index), int(foot), np.array([x, y, z]), yaw)
+        for index, foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
     )
 
 
@@ -260,7 +260,7 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     if id(value) in path or len(path) == DEEPEST:
         return "..."
     within = (*path, id(value))
-    if isinstance(value, Message) or is_record(value):
+    if is_dataclass(value) and not isinstance(value, type):
         return {
             field.name: to_plain(getattr(value, field.name), within)
             for field in fields(value)

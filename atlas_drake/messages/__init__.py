@@ -36,7 +36,8 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorWalkParams,
     ToeOff,
 )
-from atlas_drake.messages.checks import K_EFFORT_MAX
+from atlas_drake.messages.door import Accepted, Refusal, accept
+from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.messages.geometry import (
     Header,
     Pose,
@@ -46,12 +47,12 @@ from atlas_drake.messages.geometry import (
     Wrench,
 )
 from atlas_drake.messages.imu import Imu
-from atlas_drake.messages.validation import check_command
 
 __all__ = [
     "K_EFFORT_MAX",
     "NO_STEP",
     "NUM_REQUIRED_WALK_STEPS",
+    "Accepted",
     "AtlasBehaviorFeedback",
     "AtlasBehaviorFootData",
     "AtlasBehaviorManipulateFeedback",
@@ -78,11 +79,12 @@ __all__ = [
     "Message",
     "Pose",
     "Quaternion",
+    "Refusal",
     "StepStatus",
     "ToeOff",
     "Twist",
     "Vector3",
     "WalkStatus",
     "Wrench",
-    "check_command",
+    "accept",
 ]

@@ -1,13 +1,12 @@
 """The command to the joint controllers (user mode).
 
-Validation is in ``validation``, the control law in ``control.joints.joint_pid``.
+``door`` checks it; the control law is in ``control.joints.joint_pid``.
 """
 
 from dataclasses import dataclass, field
-from typing import Annotated
 
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.checks import Bounds, Gains, Numbers, Shares
+from atlas_drake.messages.fields import Byte, Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
 
 
@@ -48,4 +47,4 @@ class AtlasCommand(Message):
     i_effort_min: Numbers = field(default_factory=list)
     i_effort_max: Numbers = field(default_factory=list)
     k_effort: Shares = field(default_factory=list)
-    desired_controller_period_ms: Annotated[int, Bounds(0.0, 255.0, whole=True)] = 0
+    desired_controller_period_ms: Byte = 0

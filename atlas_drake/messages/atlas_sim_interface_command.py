@@ -1,10 +1,12 @@
 """The command to the behaviors (behavior mode).
 
-Validation is in ``validation``; the effect of a command is in its behavior.
+``door`` checks it; the effect of a command is in its behavior.
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import PlainValidator
 
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior import Behavior
@@ -14,8 +16,9 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorWalkParams,
 )
-from atlas_drake.messages.checks import Gains, Numbers, Shares
+from atlas_drake.messages.fields import Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
+from atlas_drake.numeric import plain_number
 
 
 @dataclass(slots=True, eq=False)
@@ -59,7 +62,7 @@ class AtlasSimInterfaceCommand(Message):
     USER = Behavior.USER
 
     header: Header = field(default_factory=Header)
-    behavior: int | str = Behavior.NONE
+    behavior: Annotated[int | str, PlainValidator(plain_number)] = Behavior.NONE
     walk_params: AtlasBehaviorWalkParams = field(
         default_factory=AtlasBehaviorWalkParams
     )

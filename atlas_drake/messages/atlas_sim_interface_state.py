@@ -16,7 +16,7 @@ from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
 )
-from atlas_drake.messages.checks import Numbers, Shares
+from atlas_drake.messages.fields import Numbers, Shares
 from atlas_drake.messages.geometry import Header, Pose, Vector3
 
 

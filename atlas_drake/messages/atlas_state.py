@@ -6,7 +6,7 @@ Behaviors are reported in ``atlas_sim_interface_state``.
 from dataclasses import dataclass, field
 
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.checks import Numbers, Shares
+from atlas_drake.messages.fields import Numbers, Shares
 from atlas_drake.messages.geometry import Header, Quaternion, Vector3, Wrench
 from atlas_drake.messages.joint_indices import JointIndices
 

@@ -17,6 +17,7 @@ from atlas_drake.errors import (
     AtlasError,
     ErrorCode,
     InvalidMessageError,
+    described,
     did_you_mean,
     shown,
 )
@@ -29,7 +30,7 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorWalkParams,
 )
-from atlas_drake.messages.checks import MAX_INDEX, check_kind
+from atlas_drake.messages.fields import MAX_INDEX
 from atlas_drake.numeric import is_whole
 
 FIRST_NUMBER = 100
@@ -152,7 +153,7 @@ class BehaviorCatalog(Frozen):
         raise InvalidMessageError(
             field,
             value,
-            f"there is no behavior {shown(value)}.{hint} Known are {known}.",
+            f"there is no behavior {described(value)}.{hint} Known are {known}.",
             ErrorCode.NO_SUCH_BEHAVIOR,
         )
 
@@ -184,7 +185,9 @@ class BehaviorCatalog(Frozen):
 
 def _check(entry: BehaviorInterface, params: object) -> None:
     assert entry.params is not None
-    check_kind(params, entry.params, entry.params_field)
+    if not isinstance(params, entry.params):
+        problem = f"must be {entry.params.__name__}, is {type(params).__name__}"
+        raise InvalidMessageError(entry.params_field, params, problem)
     if entry.check is None:
         return
     try:

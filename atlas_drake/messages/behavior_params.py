@@ -5,17 +5,47 @@ The feedback of the behaviors is in ``behavior_feedback``.
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Annotated
+from typing import Annotated, Any
 
+from annotated_types import Interval
+from pydantic import AfterValidator, WrapValidator
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.checks import NotNegative, Positive
+from atlas_drake.messages.fields import (
+    MAX_INDEX,
+    Flag,
+    Index,
+    NotNegative,
+    Number,
+    Positive,
+    Several,
+    not_zero,
+)
 from atlas_drake.messages.geometry import Pose, Vector3
+from atlas_drake.numeric import is_whole
 
 NUM_REQUIRED_WALK_STEPS = 4
 """Number of steps that WALK previews; the length of a step queue."""
 
 NO_STEP = -1
 """The ``step_index`` of an entry that requests no step."""
+
+StepIndex = Annotated[Index, Interval(ge=1, le=MAX_INDEX)]
+"""Number of a step, or NO_STEP."""
+FootIndex = Annotated[Index, Interval(ge=0, le=1)]
+"""0 left, 1 right."""
+
+
+def unless_empty(kind: type[Message]) -> WrapValidator:
+    """Returns the annotation of a step of which nothing is read if it is NO_STEP."""
+    empty = kind().freeze()
+
+    def read(step: Any, check: Any) -> Any:
+        index = step.step_index if isinstance(step, kind) else None  # type: ignore[attr-defined]
+        return empty if is_whole(index) and index == NO_STEP else check(step)
+
+    return WrapValidator(read)
 
 
 @dataclass(slots=True, eq=False)
@@ -33,11 +63,44 @@ class AtlasBehaviorStepData(Message):
         swing_height: Apex of the foot's path [m], from the midpoint between the feet.
     """
 
-    step_index: int = NO_STEP
-    foot_index: int = 0
+    step_index: StepIndex = NO_STEP
+    foot_index: FootIndex = 0
     duration: Positive = 0.0
     pose: Pose = field(default_factory=Pose)
     swing_height: NotNegative = 0.0
+
+
+OptionalStep = Annotated[AtlasBehaviorStepData, unless_empty(AtlasBehaviorStepData)]
+
+
+def _in_order(
+    queue: tuple[AtlasBehaviorStepData, ...],
+) -> tuple[AtlasBehaviorStepData, ...]:
+    """Check length and indices of a step queue."""
+    if len(queue) != NUM_REQUIRED_WALK_STEPS:
+        raise ValueError(
+            f"must have {NUM_REQUIRED_WALK_STEPS} entries, has {len(queue)}; an empty "
+            "AtlasBehaviorStepData() is no step"
+        )
+    last = 0
+    for place, step in enumerate(queue):
+        if step.step_index == NO_STEP:
+            continue
+        if step.step_index <= last:
+            raise InvalidMessageError(
+                f"[{place}].step_index",
+                step.step_index,
+                f"must increase from entry to entry, {step.step_index} follows {last}",
+                ErrorCode.INVALID_INDEX,
+            )
+        last = step.step_index
+    return queue
+
+
+StepQueue = Annotated[
+    list[AtlasBehaviorStepData], Several(OptionalStep), AfterValidator(_in_order)
+]
+"""The steps that WALK previews, empty ones included."""
 
 
 def empty_step_queue() -> list[AtlasBehaviorStepData]:
@@ -57,9 +120,9 @@ class AtlasBehaviorWalkParams(Message):
             to the world.
     """
 
-    step_queue: list[AtlasBehaviorStepData] = field(default_factory=empty_step_queue)
-    use_demo_walk: bool = False
-    use_relative_step_height: bool = False
+    step_queue: StepQueue = field(default_factory=empty_step_queue)
+    use_demo_walk: Flag = False
+    use_relative_step_height: Flag = False
 
 
 class ToeOff(IntEnum):
@@ -71,6 +134,10 @@ class ToeOff(IntEnum):
     """The heel of the trailing foot may rise if the leg would be too short."""
     FORCE_ENABLE = 2
     """The heel of the trailing foot rises in every step."""
+
+
+Normal = Annotated[Vector3, not_zero("xyz", "x = y = 0, z = 1 is level ground")]
+"""A vector that has a direction."""
 
 
 def _upward() -> Vector3:
@@ -88,8 +155,8 @@ class AtlasBehaviorFootData(Message):
     """
 
     position: Vector3 = field(default_factory=Vector3)
-    yaw: float = 0.0
-    normal: Vector3 = field(default_factory=_upward)
+    yaw: Number = 0.0
+    normal: Normal = field(default_factory=_upward)
 
 
 @dataclass(slots=True, eq=False)
@@ -125,16 +192,16 @@ class AtlasBehaviorStepAction(Message):
     TOE_OFF_ENABLE = ToeOff.ENABLE
     TOE_OFF_FORCE_ENABLE = ToeOff.FORCE_ENABLE
 
-    step_duration: float = 0.7
-    sway_duration: float = 0.1
-    swing_height: float = 0.0
-    lift_height: float = 0.0
-    toe_off: Annotated[int, ToeOff] = ToeOff.ENABLE
-    knee_nominal: float = 0.0
+    step_duration: Number = 0.7
+    sway_duration: Number = 0.1
+    swing_height: Number = 0.0
+    lift_height: Number = 0.0
+    toe_off: Annotated[Index, Interval(ge=0, le=2)] = ToeOff.ENABLE
+    knee_nominal: Number = 0.0
     max_body_accel: NotNegative = 0.0
     max_foot_vel: NotNegative = 0.0
-    sway_end_dist: float = 0.1
-    step_end_dist: float = 0.1
+    sway_end_dist: Number = 0.1
+    step_end_dist: Number = 0.1
 
 
 @dataclass(slots=True, eq=False)
@@ -148,10 +215,13 @@ class AtlasBehaviorStepSpec(Message):
         action: Timing and motion of the step.
     """
 
-    step_index: int = NO_STEP
-    foot_index: int = 0
+    step_index: StepIndex = NO_STEP
+    foot_index: FootIndex = 0
     foot: AtlasBehaviorFootData = field(default_factory=AtlasBehaviorFootData)
     action: AtlasBehaviorStepAction = field(default_factory=AtlasBehaviorStepAction)
+
+
+OptionalStepSpec = Annotated[AtlasBehaviorStepSpec, unless_empty(AtlasBehaviorStepSpec)]
 
 
 @dataclass(slots=True, eq=False)
@@ -168,13 +238,11 @@ class AtlasBehaviorStepParams(Message):
             of to the world.
     """
 
-    desired_step: AtlasBehaviorStepData = field(default_factory=AtlasBehaviorStepData)
-    desired_step_spec: AtlasBehaviorStepSpec = field(
-        default_factory=AtlasBehaviorStepSpec
-    )
-    use_spec: bool = False
-    use_demo_walk: bool = False
-    use_relative_step_height: bool = False
+    desired_step: OptionalStep = field(default_factory=AtlasBehaviorStepData)
+    desired_step_spec: OptionalStepSpec = field(default_factory=AtlasBehaviorStepSpec)
+    use_spec: Flag = False
+    use_demo_walk: Flag = False
+    use_relative_step_height: Flag = False
 
 
 @dataclass(slots=True, eq=False)
@@ -197,12 +265,12 @@ class AtlasBehaviorPelvisServoParams(Message):
             feet are side by side [m].
     """
 
-    pelvis_height: float = 0.8
-    pelvis_yaw: float = 0.0
-    pelvis_pitch: float = 0.0
-    pelvis_roll: float = 0.0
-    com_v0: float = 0.0
-    com_v1: float = 0.0
+    pelvis_height: Number = 0.8
+    pelvis_yaw: Number = 0.0
+    pelvis_pitch: Number = 0.0
+    pelvis_roll: Number = 0.0
+    com_v0: Number = 0.0
+    com_v1: Number = 0.0
 
 
 @dataclass(slots=True, eq=False)
@@ -217,8 +285,8 @@ class AtlasBehaviorManipulateParams(Message):
             demonstration.
     """
 
-    use_desired: bool = False
+    use_desired: Flag = False
     desired: AtlasBehaviorPelvisServoParams = field(
         default_factory=AtlasBehaviorPelvisServoParams
     )
-    use_demo_mode: bool = False
+    use_demo_mode: Flag = False

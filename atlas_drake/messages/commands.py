@@ -1,12 +1,11 @@
 """The commands in force: all commands accepted so far, merged.
 
-Pure functions on frozen values. Each message is checked completely before any part of
-it is applied; a refused message changes nothing but the error code.
+Pure functions on frozen values. A message that the door refuses, or that contradicts
+what is in force, changes nothing but the error code.
 """
 
 import logging
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -16,22 +15,47 @@ from atlas_drake.errors import ErrorCode, InvalidMessageError
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import (
     K_EFFORT_MAX,
+    Accepted,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     Behavior,
-    check_command,
+    Message,
+    Refusal,
+    accept,
 )
-from atlas_drake.messages.base import frozen, is_new
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.messages.checks import check_kind
+from atlas_drake.messages.door import Command, check_order
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.messages.recent import append_recent, items_since
-from atlas_drake.numeric import as_float
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
 
-Command = AtlasCommand | AtlasSimInterfaceCommand
+
+@dataclass(frozen=True)
+class Sent(Frozen):
+    """A command on a port that is new, even if it equals the one before it.
+
+    Attributes:
+        message: The command.
+        number: Number of the sending.
+    """
+
+    message: Any
+    number: int
+
+
+@dataclass(frozen=True)
+class Seen(Frozen):
+    """What was last on a port.
+
+    Attributes:
+        value: Value of the port if it cannot change, else NOTHING.
+        outcome: What the door said about it.
+    """
+
+    value: Any = NOTHING
+    outcome: Accepted | Refusal | None = None
 
 
 @dataclass(frozen=True)
@@ -40,11 +64,11 @@ class Received(Frozen):
 
     Attributes:
         time: Time of receipt [s].
-        message: Snapshot of the message.
+        message: The message as it left the door; None if it was refused.
     """
 
     time: float
-    message: Any
+    message: Command | None
 
 
 @dataclass(frozen=True)
@@ -70,33 +94,31 @@ class BehaviorRequest(Frozen):
 
 
 @dataclass(frozen=True)
-class Refusal:
+class Refused(Frozen):
     """A message that was not applied.
 
     Attributes:
         time: Time of receipt [s].
-        error: Reason of the refusal.
-        port: Port of the message: ``atlas_command`` or ``sim_command``.
+        refusal: Reason.
     """
 
     time: float
-    error: InvalidMessageError
-    port: str
+    refusal: Refusal
 
     @property
-    def place(self) -> tuple[str, str]:
-        """Port and field at fault."""
-        return self.port, self.error.field
+    def place(self) -> tuple[type, str]:
+        """Kind of message and field at fault."""
+        return self.refusal.kind, self.refusal.field
 
     @property
     def error_code(self) -> ErrorCode:
         """Error code that the robot reports."""
-        return self.error.error_code
+        return self.refusal.error_code
 
     @property
     def text(self) -> str:
         """Text for the user."""
-        return f"refused: {self.error}"
+        return self.refusal.text
 
 
 @dataclass(frozen=True)
@@ -112,9 +134,8 @@ class ActiveCommand(Frozen):
         refused: Number of all refused messages.
         messages: The latest messages, refused ones too, oldest first.
         received: Number of all messages.
-        atlas_command: The joint command last read from the port, for ``is_new``;
-            NOTHING at first.
-        sim_command: The behavior command last read from the port; NOTHING at first.
+        atlas_command: What was last on the port of joint commands.
+        sim_command: What was last on the port of behavior commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
         sim_stamp: Time stamp of the last accepted behavior command [s].
     """
@@ -123,12 +144,12 @@ class ActiveCommand(Frozen):
     requests: tuple[BehaviorRequest, ...]
     catalog: BehaviorCatalog = SHIPPED
     error_code: ErrorCode = ErrorCode.NO_ERRORS
-    refusals: tuple[Refusal, ...] = ()
+    refusals: tuple[Refused, ...] = ()
     refused: int = 0
     messages: tuple[Received, ...] = ()
     received: int = 0
-    atlas_command: Any = NOTHING
-    sim_command: Any = NOTHING
+    atlas_command: Seen = Seen()
+    sim_command: Seen = Seen()
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
 
@@ -141,7 +162,7 @@ class ActiveCommand(Frozen):
         """Returns the messages after the first ``received``."""
         return items_since(self.messages, self.received, received)
 
-    def refusals_since(self, refused: int) -> tuple[Refusal, ...]:
+    def refusals_since(self, refused: int) -> tuple[Refused, ...]:
         """Returns the refusals after the first ``refused``."""
         return items_since(self.refusals, self.refused, refused)
 
@@ -181,7 +202,7 @@ def commands_at_start(
             i_effort_max=zero,
             k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         ),
-        requests=(BehaviorRequest(behavior, command.snapshot(), number=0),),
+        requests=(BehaviorRequest(behavior, command.freeze(), number=0),),
         catalog=catalog,
     )
 
@@ -193,74 +214,93 @@ def latch(
     robot: Robot,
     time: float,
 ) -> ActiveCommand:
-    """Applies the messages on the two command ports that ``is_new`` reports as new.
+    """Applies the messages on the two command ports that are new.
 
     When both are new the joint command is applied first, unless its stamp is later.
 
     Args:
         force: Commands in force so far.
-        atlas_command: Joint command, a snapshot or not; NOTHING without a message.
-        sim_command: Behavior command, a snapshot or not; NOTHING without a message.
+        atlas_command: Joint command; NOTHING without a message.
+        sim_command: Behavior command; NOTHING without a message.
         robot: The robot of the messages.
         time: Present time [s].
     """
-    new = [
-        (port, frozen(value))
-        for port, value, seen in (
-            ("atlas_command", atlas_command, force.atlas_command),
-            ("sim_command", sim_command, force.sim_command),
-        )
-        if is_new(value, seen)
-    ]
-    if len(new) == 2 and _stamp(new[0][1]) > _stamp(new[1][1]):
+    seen = look(force, atlas_command, sim_command, robot)
+    new = [port for port in seen if seen[port] is not getattr(force, port)]
+    if len(new) == 2 and _stamp(seen[new[0]]) > _stamp(seen[new[1]]):
         new.reverse()
-    for port, value in new:
-        force = replace(_take(force, port, value, robot, time), **{port: value})
+    for port in new:
+        outcome = seen[port].outcome
+        assert outcome is not None
+        force = replace(receive(force, outcome, robot, time), **{port: seen[port]})
     return force
 
 
+def look(
+    force: ActiveCommand, atlas_command: Any, sim_command: Any, robot: Robot
+) -> dict[str, Seen]:
+    """Returns what is on each port now: the same object as before if it is not new.
+
+    A message is new if it differs from the last one on its port in the form that the
+    door gives it, and a refused one if its refusal differs. A ``Sent`` command is new.
+    """
+    found = {}
+    for port, value in (("atlas_command", atlas_command), ("sim_command", sim_command)):
+        seen: Seen = getattr(force, port)
+        found[port] = seen
+        if value is NOTHING or value is seen.value:
+            continue
+        is_sent = isinstance(value, Sent)
+        message = value.message if is_sent else value
+        outcome = accept(message, robot, force.catalog, kind=_KINDS[port])
+        if is_sent or outcome != seen.outcome:
+            lasts = is_sent or (isinstance(value, Message) and value.is_frozen)
+            found[port] = Seen(value if lasts else NOTHING, outcome)
+    return found
+
+
+_KINDS: dict[str, type[Command]] = {
+    "atlas_command": AtlasCommand,
+    "sim_command": AtlasSimInterfaceCommand,
+}
+"""The kind of message on each port."""
+
+
+def _stamp(seen: Seen) -> float:
+    """Returns the time stamp of a message [s]; 0 if it has none."""
+    outcome = seen.outcome
+    return (isinstance(outcome, Accepted) and outcome.message.header.stamp) or 0.0
+
+
 def receive(
-    force: ActiveCommand, message: Command, robot: Robot, time: float
+    force: ActiveCommand, outcome: Accepted | Refusal, robot: Robot, time: float
 ) -> ActiveCommand:
-    """Applies a message that is passed directly, and so is new in any case.
+    """Applies a message that is new, or records its refusal.
 
     Args:
         force: Commands in force so far.
-        message: The message, a snapshot or not.
+        outcome: What the door says of the message.
         robot: The robot of the message.
         time: Present time [s].
     """
-    port = "atlas_command" if isinstance(message, AtlasCommand) else "sim_command"
-    return _take(force, port, frozen(message), robot, time)
-
-
-def _stamp(message: object) -> float:
-    """Returns the time stamp of an unchecked message [s]; 0 if it has none."""
-    stamp = getattr(getattr(message, "header", None), "stamp", None)
-    return as_float(stamp) or 0.0
-
-
-def _take(
-    force: ActiveCommand, port: str, message: Any, robot: Robot, time: float
-) -> ActiveCommand:
-    """Applies the message of one port, or records its refusal."""
-    noted = replace(
-        force,
-        messages=append_recent(force.messages, Received(time, message), KEPT),
-        received=force.received + 1,
-    )
-    try:
-        return replace(
-            _APPLY[port](noted, message, robot, time), error_code=ErrorCode.NO_ERRORS
+    force = replace(force, received=force.received + 1)
+    message: Command | None = None
+    if isinstance(outcome, Accepted):
+        message = outcome.message
+        try:
+            force = _applied(force, outcome, robot, time)
+        except InvalidMessageError as error:
+            message, outcome = None, Refusal.of(error, outcome.kind)
+    if isinstance(outcome, Refusal):
+        refused = Refused(time, outcome)
+        force = replace(
+            force,
+            error_code=outcome.error_code,
+            refusals=append_recent(force.refusals, refused, KEPT),
+            refused=force.refused + 1,
         )
-    except InvalidMessageError as error:
-        refusal = Refusal(time, error.with_traceback(None), port)
-        return replace(
-            noted,
-            error_code=error.error_code,
-            refusals=append_recent(noted.refusals, refusal, KEPT),
-            refused=noted.refused + 1,
-        )
+    received = Received(time, message)
+    return replace(force, messages=append_recent(force.messages, received, KEPT))
 
 
 def log_refusals(before: ActiveCommand, after: ActiveCommand) -> None:
@@ -277,62 +317,47 @@ SAME_FAULT = 1.0
 """Time after which another refusal for the same field of a port is logged again [s]."""
 
 
-def _apply_atlas_command(
-    force: ActiveCommand, message: AtlasCommand, robot: Robot, time: float
+def _applied(
+    force: ActiveCommand, accepted: Accepted, robot: Robot, time: float
 ) -> ActiveCommand:
-    check_kind(message, AtlasCommand, "message")
-    given = _given(message, force, robot, force.atlas_stamp)
-    joints = replace(force.joints, **given)
-    crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
-    if crossed.size:
-        # The message has one of the two limits; the other was in force before.
-        field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
-        index = int(crossed[0])
-        lower, upper = joints.i_effort_min[index], joints.i_effort_max[index]
-        raise InvalidMessageError(
-            f"{field}[{index}]",
-            float(given[field][index]),
-            f"would put i_effort_min ({lower:g}) above i_effort_max ({upper:g}), one "
-            f"of which was in force before (joint {robot.joint_names[index]})",
-        )
-    return replace(force, joints=joints, atlas_stamp=message.header.stamp or time)
+    """Applies a message.
 
-
-def _apply_sim_command(
-    force: ActiveCommand,
-    message: AtlasSimInterfaceCommand,
-    robot: Robot,
-    time: float,
-) -> ActiveCommand:
-    check_kind(message, AtlasSimInterfaceCommand, "message")
-    given = _given(message, force, robot, force.sim_stamp)
-    behavior = force.catalog.find(message.behavior)
-    request = BehaviorRequest(behavior, message, force.received, time)
-    if behavior is Behavior.USER:
-        # USER returns every joint to the user at once, for any k_effort of the message.
-        all_user = np.full(robot.num_joints, float(K_EFFORT_MAX))
-        given["k_effort"] = read_only(all_user)
+    Raises:
+        InvalidMessageError: If the message contradicts what is in force.
+    """
+    message, given = accepted.message, accepted.joints
+    stamp_field = "atlas_stamp" if accepted.kind is AtlasCommand else "sim_stamp"
+    _check_stamp(message.header.stamp, getattr(force, stamp_field))
+    requests = force.requests
+    if isinstance(message, AtlasSimInterfaceCommand):
+        behavior = force.catalog.find(message.behavior)
+        if behavior is Behavior.USER:
+            # USER returns every joint to the user at once, for any k_effort.
+            all_user = np.full(robot.num_joints, float(K_EFFORT_MAX))
+            given = {**given, "k_effort": read_only(all_user)}
+        request = BehaviorRequest(behavior, message, force.received, time)
+        requests = append_recent(requests, request, KEPT)
+    # Keep the object when nothing changes, so that the joint law stays prepared.
+    joints = replace(force.joints, **given) if given else force.joints
+    # One of the two bounds may have been in force before.
+    field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
+    check_order(joints.i_effort_min, joints.i_effort_max, robot, field)
     return replace(
         force,
-        # Keep the object when nothing changes, so that the joint law stays prepared.
-        joints=replace(force.joints, **given) if given else force.joints,
-        requests=append_recent(force.requests, request, KEPT),
-        sim_stamp=message.header.stamp or time,
+        joints=joints,
+        requests=requests,
+        error_code=ErrorCode.NO_ERRORS,
+        **{stamp_field: message.header.stamp or time},
     )
 
 
-_APPLY: dict[str, Callable[[ActiveCommand, Any, Robot, float], ActiveCommand]] = {
-    "atlas_command": _apply_atlas_command,
-    "sim_command": _apply_sim_command,
-}
-"""The function that applies a message, by port."""
-
-
-def _given(
-    message: Command, force: ActiveCommand, robot: Robot, stamp: float | None
-) -> dict[str, np.ndarray]:
-    """Checks a message; returns its joint arrays, with limited kp_velocity."""
-    given = check_command(message, robot.joint_names, force.catalog, stamp)
-    if "kp_velocity" in given:
-        given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
-    return read_only(given)
+def _check_stamp(stamp: float | None, last: float | None) -> None:
+    # A stamp of 0 means "now", which is never too early.
+    if stamp and last is not None and stamp < last:
+        raise InvalidMessageError(
+            "header.stamp",
+            stamp,
+            f"time ran backward: {stamp:g} s is earlier than {last:g} s, the stamp of "
+            "the message before; 0 means now",
+            ErrorCode.TIME_RAN_BACKWARD,
+        )

@@ -17,6 +17,7 @@ from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import AtlasBehaviorFeedback
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 from atlas_drake.numeric import as_float, is_whole
 
 LARGEST_SUPPORT = 8
@@ -51,37 +52,6 @@ class PlannedPaths(Frozen):
 
 
 @dataclass(frozen=True)
-class PlannedStep(Frozen):
-    """A footstep to come.
-
-    Attributes:
-        foot: 0 for the left foot, 1 for the right foot.
-        p_WF: Center of the sole in W [m], shape (3,).
-        yaw: Heading of the sole [rad].
-    """
-
-    foot: int
-    p_WF: np.ndarray
-    yaw: float
-
-    def __post_init__(self) -> None:
-        """Take the point as an array.
-
-        Raises:
-            ValueError: If a field is none of these; it names the field.
-        """
-        if self.foot not in (0, 1):
-            raise ValueError(
-                f"foot of a PlannedStep must be 0 or 1, is {shown(self.foot)}"
-            )
-        _take_array(self, "p_WF", (3,), optional=False)
-        if as_float(self.yaw) is None:
-            raise ValueError(
-                f"yaw of a PlannedStep must be a number, is {shown(self.yaw)}"
-            )
-
-
-@dataclass(frozen=True)
 class Plan(Frozen):
     """Present plan of a controller; every field may be left out.
 
@@ -100,7 +70,7 @@ class Plan(Frozen):
     com_reference: np.ndarray | None = None
     dcm_reference: np.ndarray | None = None
     cop_reference: np.ndarray | None = None
-    footsteps: tuple[PlannedStep, ...] = ()
+    footsteps: tuple[Footstep, ...] = ()
 
     def __post_init__(self) -> None:
         """Convert points to arrays.
@@ -121,7 +91,7 @@ class Plan(Frozen):
             raise ValueError(
                 f"omega must be a positive number or None, is {shown(self.omega)}"
             )
-        _take_tuple(self, "footsteps", PlannedStep)
+        _take_tuple(self, "footsteps", Footstep)
 
 
 def _take_tuple(values: object, name: str, kind: type) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.checks import Bounds
+from atlas_drake.messages.fields import NotNegative, Number, not_zero
 
 
 @dataclass(slots=True, eq=False)
@@ -22,7 +22,7 @@ class Header(Message):
         frame_id: Name of the frame; empty means the frame that the message documents.
     """
 
-    stamp: Annotated[float | None, Bounds(0.0)] = 0.0
+    stamp: NotNegative | None = 0.0
     frame_id: str = ""
 
 
@@ -30,9 +30,9 @@ class Header(Message):
 class Vector3(Message):
     """A vector: a position [m], a velocity [m/s or rad/s], a force [N], ..."""
 
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
+    x: Number = 0.0
+    y: Number = 0.0
+    z: Number = 0.0
 
     @classmethod
     def from_array(cls, xyz: ArrayLike) -> "Vector3":
@@ -57,10 +57,10 @@ class Quaternion(Message):
     normalise the quaternion.
     """
 
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    w: float = 1.0
+    x: Number = 0.0
+    y: Number = 0.0
+    z: Number = 0.0
+    w: Number = 1.0
 
     @classmethod
     def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
@@ -77,12 +77,18 @@ class Quaternion(Message):
         return np.array([self.w, self.x, self.y, self.z], dtype=float)
 
 
+Rotation = Annotated[
+    Quaternion, not_zero("xyzw", "x = y = z = 0, w = 1 is no rotation")
+]
+"""A quaternion that can be normalised."""
+
+
 @dataclass(slots=True, eq=False)
 class Pose(Message):
     """Position [m] and orientation of a frame."""
 
     position: Vector3 = field(default_factory=Vector3)
-    orientation: Quaternion = field(default_factory=Quaternion)
+    orientation: Rotation = field(default_factory=Quaternion)
 
 
 @dataclass(slots=True, eq=False)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from atlas_drake.frozen import Frozen, read_only
-from atlas_drake.messages.checks import K_EFFORT_MAX
+from atlas_drake.messages.fields import K_EFFORT_MAX
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Makes messages from plain data of YAML or JSON, by the names of the fields.
 
-``logs.notes`` converts messages to plain data. ``validation`` checks the values.
+``logs.notes`` converts messages to plain data. ``door`` checks the values.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ def message_from(
     *,
     num_joints: int | None = None,
     path: str = "",
-    strict: bool = True,
 ) -> Message:
     """Make a message from its fields; omitted fields stay as in an empty message.
 
@@ -31,8 +30,6 @@ def message_from(
         num_joints: Length of the list that replaces a single number in a joint array;
             None keeps the number.
         path: Path of the message in the message around it, for errors.
-        strict: Raise an error for unknown fields and wrong types. Otherwise drop
-            unknown fields and keep wrong types, as in the log of a refused message.
 
     Raises:
         InvalidMessageError: If there is no such field, or the value of a message's
@@ -42,38 +39,30 @@ def message_from(
     known = [field.name for field in fields(message)]  # type: ignore[arg-type]
     for name, value in plain.items():
         place = f"{path}.{name}".lstrip(".")
-        if name not in known and not strict:
-            continue
         if name not in known:
             hint = did_you_mean(str(name), known) or f" There are {', '.join(known)}."
             problem = f"{kind.__name__} has no such field.{hint}"
             raise InvalidMessageError(place, value, problem)
         default = getattr(message, name)
-        setattr(message, name, _like(default, value, num_joints, place, strict))
+        setattr(message, name, _like(default, value, num_joints, place))
     return message
 
 
-def _like(
-    default: Any, plain: Any, num_joints: int | None, path: str, strict: bool
-) -> Any:
+def _like(default: Any, plain: Any, num_joints: int | None, path: str) -> Any:
     """Convert the value of a field."""
     if isinstance(default, Message):
-        if not isinstance(plain, Mapping) and not strict:
-            return plain
         if not isinstance(plain, Mapping):
             wanted = f"must be fields of {type(default).__name__}"
             raise InvalidMessageError(path, plain, f"is {shown(plain)}; {wanted}")
-        return message_from(
-            type(default), plain, num_joints=num_joints, path=path, strict=strict
-        )
+        return message_from(type(default), plain, num_joints=num_joints, path=path)
     if not isinstance(default, list):
         return plain
     if default and isinstance(default[0], Message) and isinstance(plain, list | tuple):
         given = [
-            _like(default[0], item, num_joints, f"{path}[{index}]", strict)
+            _like(default[0], item, num_joints, f"{path}[{index}]")
             for index, item in enumerate(plain)
         ]
-        return given + (default[len(given) :] if strict else [])
+        return given + default[len(given) :]
     if not default and num_joints is not None and is_number(plain):
         return [plain] * num_joints
     return plain

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.control.feet.footstep import outward
+from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import mean_yaw
 
 DEMO_STEPS = 25
 """Index of the demonstration's last step. No setting: other walks are commanded."""

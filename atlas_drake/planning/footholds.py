@@ -1,7 +1,7 @@
 """Footholds relative to the stance foot.
 
-Plane geometry, and the message of a step. Ways are planned in ``footstep_planner`` and
-steered in ``cockpit.steering``.
+Plane geometry, and the message of a step. Walks to a goal are planned in
+``footstep_planner``, walks at a velocity in ``walk_at``.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.feet.swing_foot import SwingProfile
-from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
+from atlas_drake.rotations import wrap_angle, yaw_of
 
 SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side. Geometry of the legs; the

@@ -21,16 +21,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    clip,
-    longest_duration,
-    outward,
-)
-from atlas_drake.control.rotations import mean_yaw, wrap_angle
+from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceState
+from atlas_drake.messages.footstep import LEFT, RIGHT
 from atlas_drake.planning.footholds import (
     SIDEWAYS_SHARE,
     Foothold,
@@ -42,6 +36,7 @@ from atlas_drake.planning.footholds import (
     step_data,
     way_to,
 )
+from atlas_drake.rotations import mean_yaw, wrap_angle
 
 FAR = 0.8
 """Distance to a pose beyond which the robot turns and walks ahead; to a nearer pose it

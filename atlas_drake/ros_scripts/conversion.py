@@ -1,6 +1,6 @@
 """Conversion between ROS messages and the messages of this package, field by field.
 
-Values are checked by ``messages.validation``, not here. Three things differ between the
+Values are checked by ``messages.door``, not here. Three things differ between the
 two: a stamp is seconds in this package, bytes are numbers, and a part that is still all
 zero, as ROS makes it, becomes the default of this package, because an all-zero
 quaternion or step has no meaning.

@@ -6,18 +6,23 @@ The scheduler delivers them; the tutorial's own messages are in
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from atlas_drake.checked import checked, joined
 from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.errors import InvalidMessageError, ScenarioError
-from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
+from atlas_drake.messages import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Refusal,
+    accept,
+)
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.plain import message_from
-from atlas_drake.messages.validation import check_command
+from atlas_drake.robot import Robot
 
 _KINDS: dict[str, type[Message]] = {
     "atlas_command": AtlasCommand,
@@ -54,25 +59,27 @@ class TimedMessage(Configuration):
 
     def message(
         self,
-        joint_names: Sequence[str],
+        robot: Robot,
         path: str,
         catalog: BehaviorCatalog = SHIPPED,
     ) -> AtlasCommand | AtlasSimInterfaceCommand:
         """Return the message for a robot.
 
         Args:
-            joint_names: The robot's joints in message order.
+            robot: The robot.
             path: Where the message is in its scenario.
             catalog: The behaviors that can be asked for.
 
         Raises:
             ScenarioError: If the robot would refuse the message; it names the field.
         """
-        name, made = self._made(len(joint_names), path)
+        name, made = self._made(robot.num_joints, path)
         try:
             if isinstance(made, AtlasSimInterfaceCommand):
                 _take_params(made, catalog, f"{path}.{name}.params")
-            check_command(made, joint_names, catalog)
+            outcome = accept(made, robot, catalog)
+            if isinstance(outcome, Refusal):
+                raise outcome.error
         except InvalidMessageError as error:
             raise ScenarioError(
                 f"{path}.{name}.{error.field}", error.value, error.problem

@@ -37,7 +37,8 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     Imu,
-    check_command,
+    Refusal,
+    accept,
 )
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event
@@ -255,17 +256,16 @@ class AtlasSimulation:
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        snapshot = message.snapshot()
-        if self._lock.leave(partial(self._run.receive, snapshot)):
-            check_command(snapshot, self.robot.joint_names, self.behaviors)
-            return
-        with self._lock:
-            refusal = self._run.receive(snapshot)
-            if refusal is not None:
-                self._look()
+        outcome = accept(message, self.robot, self.behaviors)
+        if self._lock.leave(partial(self._run.receive, outcome)):
+            refusal = outcome if isinstance(outcome, Refusal) else None
+        else:
+            with self._lock:
+                refusal = self._run.receive(outcome)
+                if refusal is not None:
+                    self._look()
         if refusal is not None:
-            # A new one: what is raised collects a traceback.
-            raise InvalidMessageError(*refusal.error.args)
+            raise refusal.error
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float

@@ -150,7 +150,7 @@ def _schedule(
         literal = scenario.schedule == "tutorial_literal"
         schedule = tutorial_schedule(robot, literal)
     for index, entry in enumerate(scenario.messages):
-        message = entry.message(robot.joint_names, f"messages[{index}]", catalog)
+        message = entry.message(robot, f"messages[{index}]", catalog)
         if isinstance(message, AtlasCommand):
             kind = "joint command"
         else:

@@ -22,8 +22,7 @@ from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import begin_run, reset_station
 from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
 from atlas_drake.frozen import replace
-from atlas_drake.messages import Behavior
-from atlas_drake.messages.commands import Command, Refusal
+from atlas_drake.messages import Accepted, Behavior, Refusal
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
@@ -204,10 +203,10 @@ class RunDiagram:
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is not finite."
 
-    def receive(self, message: Command) -> Refusal | None:
-        """Hands a message to the command interface; returns why it is refused."""
+    def receive(self, outcome: Accepted | Refusal) -> Refusal | None:
+        """Hands over what the door said of a message; returns why it is refused."""
         context = self._interface.GetMyMutableContextFromRoot(self.context)
-        return self._interface.receive(context, message)
+        return self._interface.receive(context, outcome)
 
     def push(self, *push: Any) -> None:
         """Pushes a body from now on, as ``PushSource.push``."""

@@ -9,16 +9,14 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State, ValueProducer
 
 from atlas_drake.frozen import NOTHING, replace
-from atlas_drake.messages import Behavior
-from atlas_drake.messages.base import frozen
+from atlas_drake.messages import Accepted, Behavior, Refusal
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
     ActiveCommand,
-    Command,
-    Refusal,
     commands_at_start,
     latch,
     log_refusals,
+    look,
     receive,
 )
 from atlas_drake.robot import Robot
@@ -34,9 +32,9 @@ class CommandInterface(CollectableSystem):
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
 
     A message counts once while its content stays the same; to repeat a message, a
-    sender changes the header's stamp, or sends ``message.numbered``. Messages may be
-    snapshots or not: a sender may change its message and send it again. A snapshot that
-    stays on the port costs least, because its fields are not compared.
+    sender changes the header's stamp. A sender may change its message and send it
+    again. A message that stays on the port costs least if it is frozen, as the one that
+    ``accept`` returns, because it is not looked at again.
 
     Output ports:
         commands: ``ActiveCommand``; a new message is in force as soon as it is on the
@@ -101,19 +99,19 @@ class CommandInterface(CollectableSystem):
         Messages on the ports count as received; the log of messages is kept.
         """
         before = context.get_abstract_state(self._state).get_value()
-        atlas_command, sim_command = map(frozen, self._messages(context))
+        atlas_command, sim_command = self._messages(context)
+        seen = look(before, atlas_command, sim_command, self._robot)
         after = replace(
             commands_at_start(self._robot, behavior, self._catalog),
             refusals=before.refusals,
             refused=before.refused,
             messages=before.messages,
             received=before.received,
-            atlas_command=atlas_command,
-            sim_command=sim_command,
+            **seen,
         )
         context.get_mutable_abstract_state(self._state).set_value(after)
 
-    def receive(self, context: Context, message: Command) -> Refusal | None:
+    def receive(self, context: Context, outcome: Accepted | Refusal) -> Refusal | None:
         """Applies a message of a sender outside the diagram.
 
         The message counts as new with any content, and is applied after those on the
@@ -121,17 +119,17 @@ class CommandInterface(CollectableSystem):
 
         Args:
             context: Context of this system; changed.
-            message: The message, a snapshot or not.
+            outcome: What the door says of the message.
 
         Returns:
             The refusal of the message; None if it is in force.
         """
         before: ActiveCommand = self._commands.Eval(context)
-        after = receive(before, message, self._robot, context.get_time())
+        after = receive(before, outcome, self._robot, context.get_time())
         self._log_refusals(context, after)
         context.get_mutable_abstract_state(self._state).set_value(after)
         refusals = after.refusals_since(before.refused)
-        return refusals[-1] if refusals else None
+        return refusals[-1].refusal if refusals else None
 
     def _log_refusals(self, context: Context, after: ActiveCommand) -> None:
         """Warns of the refusals in ``after`` that are not in the state yet."""

@@ -6,6 +6,7 @@ the world frame when they are sent. Entries of the same time are sent in their o
 one in each tick, so that none replaces another on its port.
 """
 
+import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -14,7 +15,8 @@ from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceState, AtlasState, Imu
-from atlas_drake.messages.commands import Command
+from atlas_drake.messages.commands import Sent
+from atlas_drake.messages.door import Command
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 
@@ -51,9 +53,9 @@ class CommandScheduler(CollectableSystem):
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
 
     Output ports, which are state:
-        atlas_command: The last sent ``AtlasCommand``; NOTHING at first.
-        atlas_sim_interface_command: The last sent ``AtlasSimInterfaceCommand``; NOTHING
-            at first.
+        atlas_command: The last ``AtlasCommand``, as ``Sent`` with the number of its
+            entry; NOTHING at first.
+        atlas_sim_interface_command: The last ``AtlasSimInterfaceCommand`` likewise.
         sent: Number of sent entries of the schedule.
     """
 
@@ -98,6 +100,5 @@ class CommandScheduler(CollectableSystem):
             return
         is_joint_command = isinstance(command, AtlasCommand)
         index = self._atlas_command if is_joint_command else self._sim_command
-        # Number the message, so that it counts as new after an equal one.
-        message = command.numbered(sent + 1)
+        message = Sent(copy.deepcopy(command), sent + 1)
         state.get_mutable_abstract_state(index).set_value(message)

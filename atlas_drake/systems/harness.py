@@ -16,10 +16,10 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario.scenario import HarnessGains
 from atlas_drake.systems.collectable_system import CollectableSystem
 

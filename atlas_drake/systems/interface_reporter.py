@@ -32,7 +32,7 @@ from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
-_BLANK = AtlasSimInterfaceState().snapshot()
+_BLANK = AtlasSimInterfaceState().freeze()
 _PARTS = {field.name: getattr(_BLANK, field.name) for field in fields(_BLANK)}
 """Blank parts that all reports share; making them takes longer than the rest."""
 _FEEDBACK = {

@@ -14,12 +14,12 @@ from pydrake.multibody.tree import BodyIndex, FrameIndex
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import composed, rotation_matrix
-from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import cross
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.noisy_system import NoisySystem
 

@@ -17,10 +17,10 @@ from atlas_drake.control.estimation.leg_odometry import (
     predict,
     start_odometry,
 )
-from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import cross
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 

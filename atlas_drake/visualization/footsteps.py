@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
-from atlas_drake.behaviors.step_queue import footstep_from
+from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,

@@ -20,18 +20,11 @@ from atlas_drake import (
     Behavior,
     StepStream,
 )
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    FootPose,
-    Footstep,
-    limit_duration,
-    outward,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import limit_duration, outward, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.planning.footholds import foothold
+from atlas_drake.rotations import rotation_z
 
 NUM_STEPS = 25
 SLOWEST = 1.5

@@ -10,14 +10,14 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
 

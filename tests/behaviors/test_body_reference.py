@@ -13,7 +13,7 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
     capture_body,
 )
-from atlas_drake.control.rotations import wrap_angle
+from atlas_drake.rotations import wrap_angle
 
 DT = 0.01
 RATES = BodyRates()

@@ -19,10 +19,11 @@ from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 OMEGA = 3.3
 TIMING = GaitTiming()

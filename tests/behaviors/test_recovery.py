@@ -18,9 +18,9 @@ from atlas_drake.behaviors.walk.capture import capture_step, closing_step
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 
 from .conftest import as_request
 

@@ -8,22 +8,21 @@ import pytest
 from atlas_drake.behaviors.step.action import (
     LARGEST_ACTION,
     SIDE_BY_SIDE,
-    StepAction,
     demo_step,
     desired_step,
     resolve_action,
     step_spec_from,
 )
-from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasBehaviorStepParams,
     ToeOff,
     Vector3,
 )
+from atlas_drake.messages.footstep import FootPose, StepAction
 from atlas_drake.planning.demo_steps import DEMO_STEPS
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import rotation_z
 
 DEFAULT = StepAction(knee_nominal=0.72)
 LEVEL = (0.0, 0.0)
@@ -115,12 +114,12 @@ def test_the_full_form():
     spec.foot.normal = Vector3(0.0, 0.6, 0.8 * 1.0)
     spec.action.lift_height = 0.15
     wanted = desired_step(message, LEVEL, DEFAULT)
-    assert (wanted.step.index, wanted.step.foot, wanted.step.yaw) == (4, 1, 0.4)
-    np.testing.assert_allclose(wanted.step.p_WF, [0.3, -0.1, 0.2])
-    np.testing.assert_allclose(wanted.step.normal, [0.0, 0.6, 0.8])
+    assert (wanted.index, wanted.foot, wanted.yaw) == (4, 1, 0.4)
+    np.testing.assert_allclose(wanted.p_WF, [0.3, -0.1, 0.2])
+    np.testing.assert_allclose(wanted.normal, [0.0, 0.6, 0.8])
     assert wanted.action.lift_height == 0.15
     # And back.
-    again = step_spec_from(wanted.step, wanted.action)
+    again = step_spec_from(wanted)
     assert again.foot == spec.foot
     assert again.action.lift_height == 0.15
     assert (again.step_index, again.foot_index) == (4, 1)
@@ -137,7 +136,7 @@ def test_height_may_be_relative_to_the_stance_foot(use_spec):
         message.desired_step.duration = 1.0
     # The right foot steps, so that the left one, at 0.3 m, counts.
     wanted = desired_step(message, (0.3, -0.7), DEFAULT)
-    assert wanted.step.p_WF[2] == pytest.approx(0.4)
+    assert wanted.p_WF[2] == pytest.approx(0.4)
 
 
 def test_the_plain_form_counts_its_apex_from_between_the_footholds():
@@ -153,7 +152,7 @@ def test_the_plain_form_counts_its_apex_from_between_the_footholds():
     assert apex == pytest.approx(0.05 + 0.3)
     # The orientation's z axis is the ground's normal.
     np.testing.assert_allclose(
-        wanted.step.normal, [math.sin(0.1), 0.0, math.cos(0.1)], atol=1e-12
+        wanted.normal, [math.sin(0.1), 0.0, math.cos(0.1)], atol=1e-12
     )
     step.swing_height = 0.01
     low = desired_step(message, LEVEL, DEFAULT)
@@ -182,13 +181,13 @@ def stance(ahead, yaw=0.0):
 def test_a_demonstration_steps_with_the_foot_that_is_behind(ahead, yaw, foot):
     feet = stance(ahead, yaw)
     wanted = demo_step(feet, 3, DEFAULT, Gait())
-    assert (wanted.step.index, wanted.step.foot) == (3, foot)
-    assert wanted.step.duration == DEFAULT.step_duration
+    assert (wanted.index, wanted.foot) == (3, foot)
+    assert wanted.duration == DEFAULT.step_duration
     apex = DEFAULT.lift_height + DEFAULT.swing_height
-    assert wanted.step.swing_height == pytest.approx(apex)
+    assert wanted.swing_height == pytest.approx(apex)
     assert wanted.action == DEFAULT
     forward = rotation_z(yaw)[:, 0]
-    assert forward @ (wanted.step.p_WF - feet[1 - foot].p_WF) > 0.05
+    assert forward @ (wanted.p_WF - feet[1 - foot].p_WF) > 0.05
 
 
 def test_a_demonstration_comes_to_an_end():

@@ -21,11 +21,12 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 
 from .conftest import as_request
 
@@ -182,7 +183,7 @@ def standing_still_at(state, place, duration=1.0, **fields):
 def in_phase(kind, state, **fields):
     """The same step in another phase."""
     if kind is Rest:
-        fields["last"] = state.taken
+        fields["last"] = state.step
     elif kind is StepSettle:
         fields["went_back"] = False
     names = {field.name for field in dataclasses.fields(kind)}
@@ -253,7 +254,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_gives_an_event(
 ):
     command = request(foot=foot)
     state = shifting(step, observe(), command)
-    lowering = in_phase(Lower, state, elapsed=0.9 * state.taken.swing.duration)
+    lowering = in_phase(Lower, state, elapsed=0.9 * state.swing.duration)
     force = np.zeros(2)
     for side, share, kind in (
         (foot, 0.9, Lower),
@@ -273,7 +274,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_gives_an_event(
     assert isinstance(outcome.state, Rest)
     (event,) = outcome.events
     at_rest = observe().foot_pose(foot).p_WF
-    miss = 1e3 * np.hypot(*(at_rest - state.taken.step.p_WF)[:2])
+    miss = 1e3 * np.hypot(*(at_rest - state.step.p_WF)[:2])
     side = ("left", "right")[foot]
     assert event.kind == FOOTSTEP
     assert event.text == f"step 1 landed ({side}, {miss:.0f} mm off)"
@@ -286,7 +287,7 @@ def time_left(step, state):
 
 def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observe):
     state = shifting(step, observe(), request())
-    shift, swing = state.shift.duration, state.taken.swing.duration
+    shift, swing = state.shift.duration, state.swing.duration
     settle = RULES.settle
     for phase, elapsed, left in (
         (StepShift, 0.0, shift + swing + settle),
@@ -344,7 +345,7 @@ def test_status_flags_tell_weight_shift_from_swing(step, observe):
 
 def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
     state = shifting(step, observe(), request())
-    goal, swing = state.taken.step.pose, state.taken.swing
+    goal, swing = state.step.pose, state.swing
     lowering = in_phase(Lower, state, elapsed=0.8 * swing.duration)
     foothold = lowering.foothold()
     np.testing.assert_array_equal(foothold.p_WF, goal.p_WF)
@@ -368,7 +369,7 @@ def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
     state = raised(state, 1 - foot, 0.05)
     progress = replace(state.progress, request=request(foot=foot))
     wanted = step._beginning.requested(replace(state, progress=progress))
-    assert wanted.step.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
+    assert wanted.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -417,9 +418,9 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(step, observe, foo
     flying = in_phase(StepSwing, state, elapsed=0.1)
     plan = step.plan(flying, seen.terms.com[:2], 3.2)
     (target,) = plan.footsteps
-    assert (target.foot, target.yaw) == (foot, state.taken.step.yaw)
+    assert (target.foot, target.yaw) == (foot, state.step.yaw)
     swing = step.paths(flying, seen.terms.com[:2], 3.2).swing
-    duration = state.taken.swing.duration
+    duration = state.swing.duration
     assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
     np.testing.assert_allclose(swing[0][:2], state.feet[foot].p_WF[:2], atol=0.01)
     np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)
@@ -495,13 +496,12 @@ def lowered(step, observe):
     def make(foot, lean):
         command = request(foot=foot)
         state = shifting(step, observe(), command)
-        action = replace(state.taken.action, step_end_dist=lean)
-        taken = replace(state.taken, action=action)
-        rising = {"elapsed": 0.0, "taken": taken}
+        action = replace(state.step.action, step_end_dist=lean)
+        rising = {"elapsed": 0.0, "step": replace(state.step, action=action)}
         stance = step._stance.balance.support(state.feet[1 - foot])
         swing = in_phase(StepSwing, state, **rising, support=stance)
         assert tick(step, swing, observe(), command).state.elapsed > 0.0
-        above = replace(swing, elapsed=taken.swing.duration - taken.swing.lower)
+        above = replace(swing, elapsed=swing.swing.duration - swing.swing.lower)
         lower = tick(step, above, observe(), command).state
         assert isinstance(lower, Lower)
         return lower, command
@@ -515,14 +515,14 @@ def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
     step, observe, lowered, foot, lean
 ):
     lower, _ = lowered(foot, lean)
-    taken, shift = lower.taken, lower.shift
+    shift = lower.shift
     leant = shift.end - shift.start
     if lean == 0.0:
         assert np.hypot(*leant) > 0.05  # The whole weight shift before, unchanged.
         return
     assert lower.shift_time == 0.0
-    assert shift.duration == taken.swing.lower
-    way = taken.step.p_WF[:2] - lower.feet[1 - foot].p_WF[:2]
+    assert shift.duration == lower.swing.lower
+    way = lower.step.p_WF[:2] - lower.feet[1 - foot].p_WF[:2]
     ahead = way / np.hypot(*way)
     assert leant == pytest.approx((leant @ ahead) * ahead, abs=1e-9)
     share = (leant @ ahead) / lean
@@ -550,7 +550,7 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
 ):
     lower, command = lowered(foot, lean)
     times = np.arange(0.0, 3.0, 0.01) + lower.elapsed
-    missed = next(time for time in times if lower.taken.swing.has_missed(time))
+    missed = next(time for time in times if lower.swing.has_missed(time))
     in_air = replace(observe(), foot_force=np.zeros(2))
     before = tick(step, replace(lower, elapsed=missed - 0.02), in_air, command)
     assert isinstance(before.state, Lower)
@@ -564,14 +564,14 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
     assert isinstance(back, StepSwing)
     assert (back.went_back, back.elapsed) == (True, 0.0)
     home, here = lower.feet[foot], in_air.foot_pose(foot)
-    np.testing.assert_array_equal(back.taken.step.p_WF, home.p_WF)
-    assert back.taken.step.yaw == pytest.approx(home.yaw)
-    swing = back.taken.swing
+    np.testing.assert_array_equal(back.step.p_WF, home.p_WF)
+    assert back.step.yaw == pytest.approx(home.yaw)
+    swing = back.swing
     np.testing.assert_allclose(swing.evaluate(0.0).p_WF, here.p_WF, atol=1e-9)
     landed = swing.evaluate(swing.duration).p_WF
     np.testing.assert_allclose(landed[:2], home.p_WF[:2], atol=1e-6)
     # The body goes back with it, from where it leant, and does not lean again.
-    assert back.taken.action.step_end_dist == 0.0
+    assert back.step.action.step_end_dist == 0.0
     if lean:
         np.testing.assert_allclose(back.shift.end, lower.shift.start)
         assert back.shift.duration >= swing.lower

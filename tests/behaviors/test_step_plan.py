@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance, StanceConfig
-from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import quasi_static_limits
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
+from atlas_drake.rotations import rotation_z
 
 RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)
 HALF_WIDTH = 0.14
@@ -39,7 +40,7 @@ def step_of(feet, foot, ahead=0.0, aside=HALF_WIDTH, rise=0.0, **action):
     middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)
     place = middle + np.array([ahead, outward(foot) * aside, rise])
     step = Footstep(1, foot, place, 0.0, 0.7, 0.1)
-    return DesiredStep(step, StepAction(**action))
+    return replace(step, action=StepAction(**action))
 
 
 def test_a_step_on_the_spot_is_planned_as_it_was_sent(planner, seen):
@@ -47,7 +48,7 @@ def test_a_step_on_the_spot_is_planned_as_it_was_sent(planner, seen):
     for foot in (LEFT, RIGHT):
         wanted = step_of(feet, foot, knee_nominal=0.9)
         plan = planner.plan(terms, feet, wanted)
-        np.testing.assert_allclose(plan.taken.p_WF, wanted.step.p_WF, atol=1e-9)
+        np.testing.assert_allclose(plan.taken.p_WF, wanted.p_WF, atol=1e-9)
         assert (plan.lean, plan.heel) == (0.0, 0.0)
         stance = feet[1 - foot]
         height = plan.height - stance.p_WF[2]
@@ -81,7 +82,7 @@ def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
 
     def plan(setting):
         wanted = step_of(seen[1], foot, toe_off=setting)
-        return planner._posture(terms, feet, wanted, wanted.step, 0.0), wanted
+        return planner._posture(terms, feet, wanted, 0.0), wanted
 
     flat, wanted = plan(ToeOff.DISABLE)
     free, _ = plan(ToeOff.ENABLE)

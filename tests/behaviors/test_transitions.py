@@ -61,14 +61,14 @@ class Robot:
 
     def _request(self, behavior, number):
         command = AtlasSimInterfaceCommand(behavior=behavior)
-        return BehaviorRequest(behavior, command.snapshot(), number)
+        return BehaviorRequest(behavior, command, number)
 
     def ask(self, behavior):
         self.request = self._request(behavior, self.request.number + 1)
 
     def send(self, command):
         self.request = BehaviorRequest(
-            SHIPPED.find(command.behavior), command.snapshot(), self.request.number + 1
+            SHIPPED.find(command.behavior), command, self.request.number + 1
         )
 
     def tick(self, seen):

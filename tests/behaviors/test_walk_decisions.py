@@ -16,8 +16,9 @@ from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, W
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 
 from .conftest import as_request
 

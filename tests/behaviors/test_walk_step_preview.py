@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.footstep_event import (
+from atlas_drake.behaviors.footsteps import (
     footstep_event,
     is_elsewhere,
     landed_elsewhere,
@@ -26,15 +26,10 @@ from atlas_drake.behaviors.walk.steps import (
     warnings_about,
 )
 from atlas_drake.behaviors.walk.timing import GaitTiming
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    FootPose,
-    Footstep,
-    outward,
-)
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
 HALF_WIDTH = 0.12

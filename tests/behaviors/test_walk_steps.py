@@ -8,11 +8,6 @@ import pytest
 
 from atlas_drake.behaviors.walk.steps import steps_asked_for
 from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    UP,
-    FootPose,
-    Footstep,
     ensure_clearance,
     limit_duration,
     outward,
@@ -21,10 +16,11 @@ from atlas_drake.control.feet.footstep import (
     shortest_duration,
 )
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
+from atlas_drake.messages.footstep import LEFT, RIGHT, UP, FootPose, Footstep
 from atlas_drake.planning.demo_steps import DEMO_STEPS, demo_steps
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import rotation_z
 
 LIMITS, GAIT = StepLimits(), Gait()
 GROUND = 1.0

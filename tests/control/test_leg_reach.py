@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_kinematics import (
     _knee_ahead,
     highest_com,
@@ -13,6 +12,7 @@ from atlas_drake.control.feet.leg_kinematics import (
     leg_length,
     lowest_com,
 )
+from atlas_drake.messages.footstep import FootPose
 
 
 def feet(terms):

@@ -7,7 +7,6 @@ import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisLead,
@@ -17,7 +16,8 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     at_rest,
     make_stance,
 )
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import rotation_z
 
 DT = 0.002
 RATES, LEAD = PelvisRates(), PelvisLead()

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, make_stance
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
+from atlas_drake.messages.footstep import FootPose
 
 from .conftest import TUTORIAL_ROBOTS
 

@@ -15,9 +15,9 @@ from atlas_drake.control.balance.step_adjustment import (
     touchdown_for_balance,
     within_reach,
 )
-from atlas_drake.control.feet.footstep import LEFT, FootPose, Footstep
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 LIMITS = StepAdjustmentLimits()
 OMEGA = 3.2

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.step_swing import (
     PEAK_SPEED,
     TURN_RADIUS,
     StepSwingProfile,
     plan_step_swing,
 )
-from atlas_drake.control.rotations import (
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import (
     rotation_vector,
     rotation_with_normal,
     rotation_y,

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.rotations import rotation_y, rotation_z
+from atlas_drake.rotations import rotation_y, rotation_z
 
 COORDINATES = st.floats(-1.0, 1.0)
 

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
-from atlas_drake.control.rotations import (
+from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import (
     rotation_vector,
     rotation_with_normal,
     rotation_z,

@@ -12,9 +12,9 @@ from atlas_drake.control.balance.feedback import (
     stance_acceleration,
 )
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.tasks import orientation_acceleration
+from atlas_drake.rotations import rotation_z
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import (
     TOES,
     on_toes,
     toe_corners,
     toe_off_reference,
 )
-from atlas_drake.control.rotations import rotation_vector, rotation_z
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import rotation_vector, rotation_z
 
 HALF_LENGTH, HALF_WIDTH = 0.13, 0.06
 FLAT = FootPose(np.array([0.2, -0.1, 0.05]), rotation_z(0.6))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.gains import ContactModel, ControlGains, PdGains
-from atlas_drake.control.rotations import rotation_about
 from atlas_drake.control.whole_body import (
     ComTask,
     Contact,
@@ -28,6 +27,7 @@ from atlas_drake.control.whole_body import (
 from atlas_drake.control.whole_body.elimination import TaskStack
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import ContactEntry
+from atlas_drake.rotations import rotation_about
 
 from .conftest import motion, residual
 

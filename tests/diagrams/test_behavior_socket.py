@@ -33,7 +33,6 @@ from atlas_drake.diagrams.atlas_station import (
 )
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
-from atlas_drake.messages.base import is_new
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
@@ -177,6 +176,7 @@ class Incomplete:
 class Nested:
     """Parameters with everything in them that a sender may change."""
 
+    depth: float = 0.1
     angles: np.ndarray = field(default_factory=lambda: np.zeros(2))
     speeds: dict = field(default_factory=lambda: {"left": [1.0, 2.0]})
     feet: set = field(default_factory=lambda: {0})
@@ -185,30 +185,29 @@ class Nested:
 
 def test_parameters_are_copied_at_every_depth(bow):
     sim = AtlasSimulation(behaviors=[replace(bow, params=Nested, check=None)])
+    port = sim.diagram.GetInputPort("atlas_sim_interface_command")
     params = Nested()
-    command = asked("BOW", params).snapshot()
-    kept = command.params
-    for change in (
-        lambda: params.angles.fill(9.0),
-        lambda: params.speeds["left"].append(9.0),
-        lambda: params.speeds.update(right=[9.0]),
-        lambda: params.feet.add(9),
-        lambda: setattr(params.inner[0], "depth", 9.0),
+    port.FixValue(sim.context, asked("BOW", params))
+    kept = sim.output("commands").request.command.params
+    for count, change in enumerate(
+        (
+            lambda: None,
+            lambda: params.angles.fill(9.0),
+            lambda: params.speeds["left"].append(9.0),
+            lambda: params.speeds.update(right=[9.0]),
+            lambda: params.feet.add(9),
+            lambda: setattr(params.inner[0], "depth", 9.0),
+        ),
+        1,
     ):
-        before = asked("BOW", params).snapshot()
         change()
-        assert is_new(asked("BOW", params), before)
-    assert not is_new(asked("BOW", params), asked("BOW", params).snapshot())
+        port.FixValue(sim.context, asked("BOW", params))
+        sim.advance(0.01)
+        # A change in place is a new message.
+        assert sim.output("commands").received == count
     assert kept.angles.tolist() == [0.0, 0.0]
-    assert kept.speeds == {"left": (1.0, 2.0)}
-    assert kept.feet == {0}
-    assert kept.inner[0].depth == 0.1
-    sim.publish(command)
-    sim.publish(asked("BOW", params))
-    assert len(sim.output("commands").messages) == 2
-    params.inner[0].depth = 5.0
-    request = sim.output("commands").request.command
-    assert request.params.inner[0].depth == 9.0
+    assert kept == Nested(angles=kept.angles)
+    assert sim.output("commands").request.command.params.inner[0].depth == 9.0
 
 
 def test_a_behavior_begins_only_if_its_conditions_are_met(changed):

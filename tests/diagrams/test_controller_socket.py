@@ -25,9 +25,9 @@ from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
     PlannedPaths,
-    PlannedStep,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 from atlas_drake.scenario.scenario import with_settings
 from atlas_drake.simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
@@ -108,7 +108,7 @@ class Talkative(LeafSystem):
                 unsolved=ticks,
                 plan=Plan(
                     support=SQUARE.tolist(),  # Lists of points count as arrays.
-                    footsteps=(PlannedStep(0, np.array([0.3, 0.1, 0.0]), 0.2),),
+                    footsteps=(Footstep(1, 0, np.array([0.3, 0.1, 0.0]), 0.2),),
                 ),
             )
         )
@@ -273,11 +273,14 @@ def foreign(shared):
         (lambda: Event(0.0, "x", 3), "text of an Event must be text, is 3"),
         (lambda: Event(0.0, "x", "y", None), "data of an Event must be a dict"),
         (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
-        (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of PlannedStep"),
+        (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of Footstep"),
         (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
-        (lambda: PlannedStep(2, [0.0] * 3, 0.0), "foot of a PlannedStep must be 0 or"),
-        (lambda: PlannedStep(0, None, 0.0), r"p_WF must have shape \(3,\), is None"),
-        (lambda: PlannedStep(0, [0.0] * 3, None), "yaw of a PlannedStep must be a num"),
+        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot of a Footstep must be 0 or"),
+        (
+            lambda: Footstep(1, 0, None, 0.0),
+            r"p_WF of a Footstep .*\(3,\), is None",
+        ),
+        (lambda: Footstep(1, 0, [0.0] * 3, None), "yaw of a Footstep must be a num"),
     ],
 )
 def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):

@@ -17,7 +17,7 @@ from atlas_drake.errors import AtlasError
 
 def manipulate(builder, station):
     """Adds a source that asks for MANIPULATE, always."""
-    message = AtlasSimInterfaceCommand(behavior="MANIPULATE").snapshot()
+    message = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     source = builder.AddNamedSystem(
         "source", ConstantValueSource(AbstractValue.Make(message))
     )

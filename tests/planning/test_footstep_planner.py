@@ -22,16 +22,12 @@ from atlas_drake import (
     steps_to,
     steps_turning,
 )
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.feet.footstep import (
-    FootPose,
-    limit_duration,
-    outward,
-    saturate,
-)
+from atlas_drake.behaviors.footsteps import footstep_from
+from atlas_drake.control.feet.footstep import limit_duration, outward, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
 from atlas_drake.messages import WalkStatus
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import mean_yaw, rotation_z, wrap_angle
 
 LIMITS = StepLimits()
 HALF_WIDTH = Gait().half_width

@@ -14,6 +14,7 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorInterface,
 )
 from atlas_drake.messages.checks import check_number
+from atlas_drake.robot import load_robot
 from atlas_drake.scenario import scenario_from
 from atlas_drake.scenario.timed_message import TimedMessage
 
@@ -51,7 +52,7 @@ def test_steps_are_made_from_their_fields():
             "walk_params": {"step_queue": [step]},
         }
     )
-    message = entry.message(["joint"], "messages[0]")
+    message = entry.message(load_robot(), "messages[0]")
     queue = message.walk_params.step_queue
     assert [data.step_index for data in queue] == [1, -1, -1, -1]
     assert queue[0].pose.position.x == 0.25
@@ -77,7 +78,7 @@ CATALOG = BehaviorCatalog((*SHIPPED, BOW))
 def bow(behavior="BOW", **params):
     fields = {"behavior": behavior, "params": params}
     entry = TimedMessage(atlas_sim_interface_command=fields)
-    return entry.message(["joint"], "messages[0]", CATALOG)
+    return entry.message(load_robot(), "messages[0]", CATALOG)
 
 
 def test_parameters_of_a_users_behavior_are_made_from_their_fields():

@@ -12,6 +12,7 @@ from atlas_drake.messages import (
     Behavior,
     Imu,
 )
+from atlas_drake.messages.commands import Sent
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 
 PERIOD = 0.01
@@ -43,15 +44,17 @@ class Run:
         self.system.GetInputPort(port).FixValue(context, value)
 
     def feed(self, state):
-        self.put("atlas_state", AtlasState().snapshot())
-        self.put("atlas_sim_interface_state", state.snapshot())
-        self.put("imu", Imu().snapshot())
+        self.put("atlas_state", AtlasState())
+        self.put("atlas_sim_interface_state", state)
+        self.put("imu", Imu())
 
     def to(self, time):
         self.simulator.AdvanceTo(time)
 
     def out(self, port):
-        return self.system.GetOutputPort(port).Eval(self.simulator.get_context())
+        """Value of a port; of a command, the message that was sent."""
+        value = self.system.GetOutputPort(port).Eval(self.simulator.get_context())
+        return value.message if isinstance(value, Sent) else value
 
 
 def test_entries_are_sent_on_time_and_in_the_order_of_their_times():
@@ -75,7 +78,7 @@ def test_entries_are_sent_on_time_and_in_the_order_of_their_times():
     message = run.out(ATLAS)
     run.to(1.0)
     assert run.out("sent") == 3
-    # The same object: whoever reads the port takes it for one message.
+    # The same object: the command interface takes it for one message.
     assert run.out(ATLAS) is message
 
 

@@ -7,7 +7,8 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import PlannedPush, Scenario, Start
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
-from atlas_drake.messages import AtlasCommand, Behavior
+from atlas_drake.messages import AtlasCommand, Behavior, accept
+from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import walk_command
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -84,7 +85,8 @@ def test_a_context_knows_nothing_of_another_that_runs_in_turns(diagram, start):
     station = diagram.GetSubsystemByName("station")
     interface = station.GetSubsystemByName("command_interface")
     interface.receive(
-        interface.GetMyMutableContextFromRoot(second.get_mutable_context()), disturbance
+        interface.GetMyMutableContextFromRoot(second.get_mutable_context()),
+        accept(disturbance, load_robot()),
     )
     for k in range(1, 11):
         second.AdvanceTo(0.1 * k * END)

@@ -8,7 +8,7 @@ from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
-from atlas_drake.control.rotations import rotation_error
+from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario import Start
 from atlas_drake.scenario.scenario import HarnessGains
 from atlas_drake.systems.harness import Harness, implicit_pull

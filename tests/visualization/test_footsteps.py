@@ -14,8 +14,9 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan, PlannedStep
+from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.footsteps import (
     KEPT,
@@ -137,7 +138,7 @@ def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
 def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
     request, report = walking([])
     leave(report, behavior)
-    plan = Plan(footsteps=(PlannedStep(1, np.array([0.301, -0.1, 0.1]), 0.2),))
+    plan = Plan(footsteps=(Footstep(1, 1, np.array([0.301, -0.1, 0.1]), 0.2),))
     assert footstep_marks(request, report, [], plan) == [
         FootstepMark(Kind.COMMANDED, 1, 0.3, -0.1, 0.21, 0.1)
     ]

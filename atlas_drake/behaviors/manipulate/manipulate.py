@@ -26,7 +26,6 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     make_stance,
 )
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
-from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorManipulateFeedback,
@@ -34,6 +33,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
+from atlas_drake.rotations import tilt_of
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,10 @@ the step begins.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -23,8 +20,10 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.rotations import mean_yaw
 
 LEAST = {
     "sway_duration": 0.2,
@@ -35,39 +34,6 @@ LEAST = {
 """A value below this is ignored [s], [m], [m], [rad]; all others below or at 0 are."""
 LARGEST_END_DISTANCE = 0.05
 """End distances beyond this are ignored [m]."""
-
-
-@dataclass(frozen=True)
-class StepAction:
-    """Parameters of a step; the defaults are safe for the robot.
-
-    Attributes:
-        step_duration: Duration of single support [s].
-        sway_duration: Duration of the weight shift before single support [s].
-        swing_height: Rise above the lift height while the foot moves across [m].
-        lift_height: Vertical lift above the higher of the two footholds [m].
-        knee_nominal: Flexion of the standing knee [rad].
-        max_body_accel: Largest acceleration of the body; a lower bound of the weight
-            shift's duration follows from it [m/s²].
-        max_foot_vel: Largest speed of the foot; a lower bound of the step's duration
-            follows from it [m/s].
-        sway_end_dist: Distance from the end of the weight shift to the middle of the
-            standing sole [m].
-        step_end_dist: Distance by which the body leans into the step as the foot comes
-            down [m].
-        toe_off: Setting for the heel of the leaving foot in the weight shift.
-    """
-
-    step_duration: float = 0.7
-    sway_duration: float = 0.6
-    swing_height: float = 0.02
-    lift_height: float = 0.06
-    knee_nominal: float = 0.6
-    max_body_accel: float = 0.4
-    max_foot_vel: float = 0.5
-    sway_end_dist: float = 0.01
-    step_end_dist: float = 0.0
-    toe_off: ToeOff = ToeOff.ENABLE
 
 
 LARGEST_ACTION = StepAction(
@@ -83,19 +49,6 @@ LARGEST_ACTION = StepAction(
 )
 """Largest values of a step action, to which requests are clamped; ± for the end
 distances."""
-
-
-@dataclass(frozen=True)
-class DesiredStep:
-    """A step as requested.
-
-    Attributes:
-        step: Foothold and foot.
-        action: Parameters of the step.
-    """
-
-    step: Footstep
-    action: StepAction
 
 
 def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
@@ -122,7 +75,7 @@ def desired_step(
     params: AtlasBehaviorStepParams,
     feet_z: tuple[float, float],
     default: StepAction,
-) -> DesiredStep | None:
+) -> Footstep | None:
     """Returns the step that a message requests; None if it requests none.
 
     Args:
@@ -131,19 +84,18 @@ def desired_step(
         default: Parameters for those that the message leaves open.
     """
     if params.use_spec:
-        wanted = _from_spec(params.desired_step_spec, default)
+        desired = _from_spec(params.desired_step_spec, default)
     else:
-        wanted = _from_data(params, feet_z, default)
-    if wanted is not None and params.use_relative_step_height:
-        step = wanted.step
-        rise = np.array([0.0, 0.0, feet_z[1 - step.foot]])
-        wanted = replace(wanted, step=replace(step, p_WF=step.p_WF + rise))
-    return wanted
+        desired = _from_data(params, feet_z, default)
+    if desired is not None and params.use_relative_step_height:
+        rise = np.array([0.0, 0.0, feet_z[1 - desired.foot]])
+        desired = replace(desired, p_WF=desired.p_WF + rise)
+    return desired
 
 
 def demo_step(
     feet: tuple[FootPose, FootPose], index: int, default: StepAction, gait: Gait
-) -> DesiredStep | None:
+) -> Footstep | None:
     """Returns a step ahead with the rear foot; None after the demo's last step.
 
     Args:
@@ -158,20 +110,20 @@ def demo_step(
     steps = demo_steps(feet, index, RIGHT if behind else LEFT, gait)
     if not steps:
         return None
-    step = replace(
+    return replace(
         steps[0],
         duration=default.step_duration,
         swing_height=default.lift_height + default.swing_height,
+        action=default,
     )
-    return DesiredStep(step, default)
 
 
-def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> DesiredStep | None:
+def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> Footstep | None:
     if spec.step_index == NO_STEP:
         return None
     action = resolve_action(spec.action, default)
     normal = spec.foot.normal.to_array()
-    step = Footstep(
+    return Footstep(
         index=int(spec.step_index),
         foot=int(spec.foot_index),
         p_WF=spec.foot.position.to_array(),
@@ -179,13 +131,13 @@ def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> DesiredStep 
         duration=action.step_duration,
         swing_height=action.lift_height + action.swing_height,
         normal=normal / np.linalg.norm(normal),
+        action=action,
     )
-    return DesiredStep(step, action)
 
 
 def _from_data(
     params: AtlasBehaviorStepParams, feet_z: tuple[float, float], default: StepAction
-) -> DesiredStep | None:
+) -> Footstep | None:
     """Reads the short form, whose apex counts from the midpoint between the feet."""
     data = params.desired_step
     if data.step_index == NO_STEP:
@@ -201,10 +153,10 @@ def _from_data(
         step_duration=min(step.duration, LARGEST_ACTION.step_duration),
         swing_height=min(max(arc, default.swing_height), LARGEST_ACTION.swing_height),
     )
-    return DesiredStep(step, action)
+    return replace(step, action=action)
 
 
-def step_spec_from(step: Footstep, action: StepAction) -> AtlasBehaviorStepSpec:
+def step_spec_from(step: Footstep) -> AtlasBehaviorStepSpec:
     """Converts an executed step to its message."""
     spec = AtlasBehaviorStepSpec()
     spec.step_index = step.index
@@ -212,6 +164,6 @@ def step_spec_from(step: Footstep, action: StepAction) -> AtlasBehaviorStepSpec:
     spec.foot.position = Vector3.from_array(step.p_WF)
     spec.foot.yaw = float(step.yaw)
     spec.foot.normal = Vector3.from_array(step.normal)
-    for name, value in vars(action).items():
+    for name, value in vars(step.action).items():
         setattr(spec.action, name, value)
     return spec

@@ -7,30 +7,25 @@ ends.
 from __future__ import annotations
 
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step.action import (
-    DesiredStep,
-    StepAction,
-    demo_step,
-    desired_step,
-)
+from atlas_drake.behaviors.footsteps import out_of_reach, pace_changed
+from atlas_drake.behaviors.step.action import demo_step, desired_step
 from atlas_drake.behaviors.step.phases import (
     Rest,
     StepPhase,
     StepProgress,
     StepSettle,
     StepShift,
-    TakenStep,
 )
 from atlas_drake.behaviors.step.plan import StepPlan
 from atlas_drake.behaviors.step.step_balance import StepBalance
-from atlas_drake.control.feet.footstep import FootPose, resolve_height
+from atlas_drake.control.feet.footstep import resolve_height
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
 from atlas_drake.planning.footholds import Gait
 
 
@@ -67,8 +62,8 @@ class StepBeginning:
         uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
         return replace(
             self._rest_on(feet, observation, phase.progress),
-            last=phase.taken,
-            fresh=phase.taken.foot,
+            last=phase.step,
+            fresh=phase.step.foot,
             lean=phase.lean if uneven > self._rules.level else 0.0,
         )
 
@@ -80,16 +75,16 @@ class StepBeginning:
         The robot stays at rest without a requested step, while its DCM is too near the
         edge of the support polygon, and for a step that is out of reach.
         """
-        wanted = None if leaving else self.requested(phase)
-        if wanted is None:
+        desired = None if leaving else self.requested(phase)
+        if desired is None:
             return phase, ()
         outside = self._balance.dcm_outside(phase, observation, phase.support)
         if outside > -self._rules.begin_inside:
             return phase, ()
         feet = observation.foot_poses
-        plan = self._planner.plan(observation.terms, feet, wanted)
+        plan = self._planner.plan(observation.terms, feet, desired)
         if plan is None:
-            text = f"step {wanted.step.index} is not taken: it is out of reach"
+            text = f"step {desired.index} is not taken: it is out of reach"
             progress = replace(phase.progress, refused=phase.progress.request)
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(phase, progress=progress), (event,)
@@ -97,16 +92,16 @@ class StepBeginning:
         # Warn of the slope only: the step spec in the report has duration and swing
         # height.
         slope = replace(
-            resolve_height(wanted.step, feet[1 - step.foot], self._limits),
+            resolve_height(desired, feet[1 - step.foot], self._limits),
             duration=step.duration,
             swing_height=step.swing_height,
         )
-        return self._shift(phase, observation, wanted, plan, feet), (
-            *out_of_reach(observation.time, wanted.step, step),
+        return self._shift(phase, observation, desired, plan, feet), (
+            *out_of_reach(observation.time, desired, step),
             *pace_changed(observation.time, slope, step),
         )
 
-    def requested(self, phase: StepPhase) -> DesiredStep | None:
+    def requested(self, phase: StepPhase) -> Footstep | None:
         """Returns the requested step that has not begun, if any."""
         progress = phase.progress
         request = progress.request
@@ -115,13 +110,13 @@ class StepBeginning:
         params = request.command.step_params
         if params.use_demo_walk:
             index = progress.index + 1
-            wanted = demo_step(phase.feet, index, self._default, self._gait)
+            desired = demo_step(phase.feet, index, self._default, self._gait)
         else:
             feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
-            wanted = desired_step(params, feet_z, self._default)
-        if wanted is None or wanted.step.index <= progress.index:
+            desired = desired_step(params, feet_z, self._default)
+        if desired is None or desired.index <= progress.index:
             return None
-        return wanted
+        return desired
 
     def _rest_on(
         self,
@@ -144,14 +139,14 @@ class StepBeginning:
         self,
         phase: Rest,
         observation: Observation,
-        wanted: DesiredStep,
+        desired: Footstep,
         plan: StepPlan,
         feet: tuple[FootPose, FootPose],
     ) -> StepShift:
         balance, step = self._balance, plan.taken
         start, goal = feet[step.foot], step.pose
         least = self._rules.least_clearance
-        action = _below(plan.ceiling, wanted.action, start, goal, least)
+        action = _below(plan.ceiling, step.action, start, goal, least)
         swing = plan_step_swing(
             on_toes(start, plan.heel, self._planner.half_length),
             start,
@@ -165,20 +160,11 @@ class StepBeginning:
         support = balance.balance.support(*feet)
         shift = balance.shift_to(observation, plan.com, action, feet, support)
         middle_z = 0.5 * (start.p_WF[2] + step.p_WF[2])
-        taken = TakenStep(
-            sent=wanted,
-            step=replace(
-                step,
-                duration=swing.duration,
-                swing_height=float(swing.top + swing.arc - middle_z),
-            ),
-            action=replace(
-                action,
-                step_duration=swing.duration,
-                sway_duration=shift.duration,
-                toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
-            ),
-            swing=swing,
+        action = replace(
+            action,
+            step_duration=swing.duration,
+            sway_duration=shift.duration,
+            toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
         )
         return StepShift(
             progress=replace(phase.progress, index=step.index),
@@ -187,7 +173,14 @@ class StepBeginning:
             hips=plan.hips,
             shift=shift,
             lean=plan.lean,
-            taken=taken,
+            sent=desired,
+            step=replace(
+                step,
+                duration=swing.duration,
+                swing_height=float(swing.top + swing.arc - middle_z),
+                action=action,
+            ),
+            swing=swing,
             heel=plan.heel,
             fresh=phase.fresh if balance.is_fresh(phase) else None,
         )

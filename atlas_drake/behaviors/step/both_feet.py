@@ -9,7 +9,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import with_foot
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.phases import (
@@ -96,21 +96,21 @@ class ShiftControl(StepPhaseControl[StepShift]):
 
         The body is low enough for the landing, so that it moves up or down only once.
         """
-        taken, now = phase.taken, list(phase.feet)
+        step, now = phase.step, list(phase.feet)
         later = list(enumerate(now))
-        flat = now[taken.foot]
-        now[taken.foot] = on_toes(flat, self._heel(phase)[0], self._half_length)
+        flat = now[step.foot]
+        now[step.foot] = on_toes(flat, self._heel(phase)[0], self._half_length)
         raised = on_toes(flat, phase.heel, self._half_length)
-        later[taken.foot] = (taken.foot, raised)
-        later.append((taken.foot, taken.step.pose))
-        stance = phase.feet[taken.stance]
-        return Reach(self._balance.height_over(stance, taken), now, later)
+        later[step.foot] = (step.foot, raised)
+        later.append((step.foot, step.pose))
+        stance = phase.feet[phase.stance]
+        return Reach(self._balance.height_over(stance, step), now, later)
 
     def command_feet(
         self, phase: StepShift, observation: Observation
     ) -> tuple[StepShift, tuple[FootCommand, FootCommand]]:
         """Unloads the leaving foot and raises its heel, after pressing a new foot."""
-        balance, foot = self._balance, phase.taken.foot
+        balance, foot = self._balance, phase.step.foot
         cop = self.cop(phase, observation)
         angle, rate, acceleration = self._heel(phase)
         on_toes = angle > 0.0
@@ -133,9 +133,8 @@ class ShiftControl(StepPhaseControl[StepShift]):
         """Returns the present region of the CoP; a raised heel carries no load."""
         if self._heel(phase)[0] == 0.0:
             return phase.support
-        taken = phase.taken
         return self._balance.balance.support_on_toes(
-            phase.feet[taken.stance], phase.feet[taken.foot]
+            phase.feet[phase.stance], phase.feet[phase.step.foot]
         )
 
     def are_both_flat(self, phase: StepShift) -> bool:
@@ -149,10 +148,10 @@ class ShiftControl(StepPhaseControl[StepShift]):
         """Returns True if the foot is unloaded, and the DCM at the end of its shift."""
         if phase.elapsed < phase.shift.duration:
             return False
-        load = observation.foot_force[phase.taken.foot]
+        load = observation.foot_force[phase.step.foot]
         if load > self._rules.still_loaded * self._weight:
             return False
-        omega = self._balance.omega(observation, (phase.feet[phase.taken.stance],))
+        omega = self._balance.omega(observation, (phase.feet[phase.stance],))
         error = feedback.dcm(observation.terms, omega) - phase.shift.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
@@ -161,12 +160,14 @@ class ShiftControl(StepPhaseControl[StepShift]):
         return StepSwing(
             progress=phase.progress,
             feet=phase.feet,
-            support=balance.balance.support(phase.feet[phase.taken.stance]),
+            support=balance.balance.support(phase.feet[phase.stance]),
             hips=hips_from_com(observation.terms, balance.planner.legs),
             shift=phase.shift,
             shift_time=phase.shift_time,
             lean=phase.lean,
-            taken=phase.taken,
+            sent=phase.sent,
+            step=phase.step,
+            swing=phase.swing,
         )
 
 
@@ -183,26 +184,26 @@ class SettleControl(StepPhaseControl[StepSettle]):
         """Ends the step, and begins the next step if one is requested."""
         if phase.elapsed < self._balance.rules.settle:
             return phase, ()
-        taken = phase.taken
-        landed = observation.foot_pose(taken.foot)
+        step = phase.step
+        landed = observation.foot_pose(step.foot)
         rest = self._beginning.rest(
-            phase, observation, with_foot(phase.feet, taken.foot, landed)
+            phase, observation, with_foot(phase.feet, step.foot, landed)
         )
         following, events = self._beginning.begin(rest, observation, leaving)
         if phase.went_back:
             return following, events
-        landing = footstep_event(observation.time, taken.sent.step, taken.step, landed)
+        landing = footstep_event(observation.time, phase.sent, step, landed)
         return following, (landing, *events)
 
     def reach(self, phase: StepSettle) -> Reach:
         """Returns both feet, with the body over the stance foot."""
-        stance = phase.feet[phase.taken.stance]
-        height = self._balance.height_over(stance, phase.taken)
+        stance = phase.feet[phase.stance]
+        height = self._balance.height_over(stance, phase.step)
         return Reach(height, phase.feet, list(enumerate(phase.feet)))
 
     def command_feet(
         self, phase: StepSettle, observation: Observation
     ) -> tuple[StepSettle, tuple[FootCommand, FootCommand]]:
         """Keeps the stance foot planted and presses the new foot flat."""
-        foot, cop = phase.taken.foot, self.cop(phase, observation)
+        foot, cop = phase.step.foot, self.cop(phase, observation)
         return phase, self._balance.pressed(phase, observation, foot, cop)

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
-from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.feet.step_swing import StepSwing as SwingPath
 from atlas_drake.control.feet.swing_foot import quintic_progress
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 
 @dataclass(frozen=True)
@@ -36,33 +35,6 @@ class StepProgress:
     leaving: bool = False
     request: BehaviorRequest | None = None
     refused: BehaviorRequest | None = None
-
-
-@dataclass(frozen=True)
-class TakenStep:
-    """A step as executed.
-
-    Attributes:
-        sent: The step as requested.
-        step: The same step as executed.
-        action: Parameters of the step as executed.
-        swing: Path of the swing foot.
-    """
-
-    sent: DesiredStep
-    step: Footstep
-    action: StepAction
-    swing: SwingPath
-
-    @property
-    def foot(self) -> int:
-        """The foot that steps."""
-        return self.step.foot
-
-    @property
-    def stance(self) -> int:
-        """The foot that stays on the ground."""
-        return 1 - self.step.foot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,12 +66,12 @@ class StepPhase(Phase):
         return self.feet
 
     @property
-    def in_air(self) -> TakenStep | None:
+    def in_air(self) -> Footstep | None:
         """The step whose foot is in the air; None while both feet are down."""
         return None
 
     @property
-    def reported(self) -> TakenStep | None:
+    def reported(self) -> Footstep | None:
         """The present or last step, if any."""
         return None
 
@@ -146,12 +118,12 @@ class Rest(StepPhase):
         gave_up: True if the last weight shift was abandoned.
     """
 
-    last: TakenStep | None = None
+    last: Footstep | None = None
     fresh: int | None = None
     gave_up: bool = False
 
     @property
-    def reported(self) -> TakenStep | None:
+    def reported(self) -> Footstep | None:
         """The last step, if any."""
         return self.last
 
@@ -161,15 +133,24 @@ class Stepping(StepPhase):
     """Common part of the phases of a step, from ``StepShift`` to ``StepSettle``.
 
     Attributes:
-        taken: The step.
+        sent: The step as requested.
+        step: The same step as executed.
+        swing: Path of the swing foot.
     """
 
-    taken: TakenStep
+    sent: Footstep
+    step: Footstep
+    swing: SwingPath
 
     @property
-    def reported(self) -> TakenStep:
+    def stance(self) -> int:
+        """The foot that stays on the ground."""
+        return 1 - self.step.foot
+
+    @property
+    def reported(self) -> Footstep:
         """The step being taken."""
-        return self.taken
+        return self.step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,7 +182,7 @@ class StepShift(Stepping):
     def time_left(self, settle: float) -> float:
         """Computes the time until both feet carry again [s]."""
         left = max(self.shift.duration - self.elapsed, 0.0)
-        return left + self.taken.swing.duration + settle
+        return left + self.swing.duration + settle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,31 +198,31 @@ class InAir(Stepping):
     @property
     def carrying(self) -> tuple[FootPose, ...]:
         """Pose of the stance foot."""
-        return (self.feet[self.taken.stance],)
+        return (self.feet[self.stance],)
 
     @property
-    def in_air(self) -> TakenStep:
+    def in_air(self) -> Footstep:
         """The step being taken."""
-        return self.taken
+        return self.step
 
     def paths(self, omega: float) -> PlannedPaths:
         """Returns the path of the swing foot."""
-        swing = self.taken.swing
+        swing = self.swing
         count = max(int(swing.duration / TIME_STEP), 2)
         times = np.linspace(0.0, swing.duration, count)
         return PlannedPaths(swing=np.array([swing.evaluate(t).p_WF for t in times]))
 
     def foothold(self) -> FootPose:
         """Computes the landing pose, lower if the foot has found no ground yet."""
-        goal = self.taken.step.pose
-        z = float(self.taken.swing.evaluate(self.elapsed).p_WF[2])
+        goal = self.step.pose
+        z = float(self.swing.evaluate(self.elapsed).p_WF[2])
         if z >= goal.p_WF[2]:
             return goal
         return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
 
     def time_left(self, settle: float) -> float:
         """Computes the time until both feet carry again [s]."""
-        return max(self.taken.swing.duration - self.elapsed, 0.0) + settle
+        return max(self.swing.duration - self.elapsed, 0.0) + settle
 
 
 @dataclass(frozen=True, kw_only=True)

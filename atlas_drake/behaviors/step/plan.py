@@ -12,14 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.configuration import Configuration, NotNegative, Share
-from atlas_drake.control.feet.footstep import (
-    FootPose,
-    Footstep,
-    resolve_height,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import resolve_height, saturate
 from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
     highest_sole,
@@ -30,10 +24,11 @@ from atlas_drake.control.feet.leg_kinematics import (
 )
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
+from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
+from atlas_drake.rotations import rotation_z
 
 
 @dataclass(frozen=True)
@@ -128,7 +123,7 @@ class StepPlanner:
         self,
         terms: WholeBodyTerms,
         feet: tuple[FootPose, FootPose],
-        wanted: DesiredStep,
+        desired: Footstep,
     ) -> StepPlan | None:
         """Plans a step with the least change of posture, shortened if necessary.
 
@@ -138,15 +133,15 @@ class StepPlanner:
         Args:
             terms: Kinematics and dynamics at the present state.
             feet: Poses of both soles on the ground.
-            wanted: The requested step.
+            desired: The requested step.
 
         Returns:
             The plan; None for a step that is out of reach.
         """
-        foot, rules = wanted.step.foot, self._rules
+        foot, rules = desired.foot, self._rules
         stance = feet[1 - foot]
         limits = self._limits
-        meant = resolve_height(wanted.step, stance, limits)
+        meant = resolve_height(desired, stance, limits)
         step = saturate(meant, stance, limits)
         if abs(float(meant.p_WF[2] - stance.p_WF[2])) > limits.rise:
             return None
@@ -156,7 +151,7 @@ class StepPlanner:
             for share in shares:
                 nearer = step if share == 1.0 else self._shortened(step, stance, share)
                 for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
-                    plan = self._posture(terms, feet, wanted, nearer, effort)
+                    plan = self._posture(terms, feet, nearer, effort)
                     lever = knee_effort * self._lever
                     if self._affordable(plan, feet, lever):
                         return plan
@@ -166,7 +161,6 @@ class StepPlanner:
         self,
         terms: WholeBodyTerms,
         feet: tuple[FootPose, FootPose],
-        wanted: DesiredStep,
         step: Footstep,
         effort: float,
     ) -> StepPlan:
@@ -176,16 +170,16 @@ class StepPlanner:
         lean = effort * rules.lean
         R_WS = rotation_z(stance.yaw)
         side = np.sign(R_WS[:2, 1] @ (other.p_WF - stance.p_WF)[:2])
-        offset = np.array([effort * rules.ahead, wanted.action.sway_end_dist * side])
+        offset = np.array([effort * rules.ahead, step.action.sway_end_dist * side])
         pitch = math.asin(min(max(-float(terms.R_WP[2, 0]), -1.0), 1.0))
         behind = rules.lean_shift * (lean - pitch)
         com = stance.p_WF[:2] + R_WS[:2, :2] @ offset
         hips = hips_from_com(terms, self.legs) - behind * R_WS[:, 0]
         needed = min(
-            float(stance.p_WF[2]) + self.height(wanted.action),
+            float(stance.p_WF[2]) + self.height(step.action),
             highest_com(self.legs, hips, com, [(foot, step.pose)]),
         )
-        heel = self._heel(hips, com, foot, other, needed, wanted.action.toe_off)
+        heel = self._heel(hips, com, foot, other, needed, step.action.toe_off)
         leaving = on_toes(other, heel, self.half_length)
         height = min(needed, highest_com(self.legs, hips, com, [(foot, leaving)]))
         ceiling = highest_sole(self.legs, hips, height, foot)

@@ -37,17 +37,16 @@ class InAirControl(StepPhaseControl[P]):
 
     def reach(self, phase: P) -> Reach:
         """Returns the stance foot and the foothold, lower if no ground was found."""
-        taken = phase.taken
-        stance = phase.feet[taken.stance]
-        feet = with_foot(phase.feet, taken.foot, phase.foothold())
-        height = self._balance.height_over(stance, taken)
+        stance = phase.feet[phase.stance]
+        feet = with_foot(phase.feet, phase.step.foot, phase.foothold())
+        height = self._balance.height_over(stance, phase.step)
         return Reach(height, feet, list(enumerate(feet)))
 
     def command_feet(
         self, phase: P, observation: Observation
     ) -> tuple[P, tuple[FootCommand, FootCommand]]:
         """Keeps the stance foot planted and moves the other foot along its swing."""
-        foot, swing = phase.taken.foot, phase.taken.swing
+        foot, swing = phase.step.foot, phase.swing
         reference = swing.evaluate(phase.elapsed)
         command = self._balance.balance.swinging(observation, foot, reference)
         return phase, self._balance.planted(observation, foot, command)
@@ -64,7 +63,7 @@ class SwingControl(InAirControl[StepSwing]):
         self, phase: StepSwing, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Begins to lower the foot when it is above its foothold."""
-        if not phase.taken.swing.is_lowering(phase.elapsed):
+        if not phase.swing.is_lowering(phase.elapsed):
             return phase, ()
         return self._begin_to_lower(phase, observation), ()
 
@@ -75,17 +74,17 @@ class SwingControl(InAirControl[StepSwing]):
         if the other foot finds no ground.
         """
         lower = Lower(**phase.__dict__)
-        taken, support = phase.taken, phase.support
-        distance = taken.action.step_end_dist
+        step, support = phase.step, phase.support
+        distance = step.action.step_end_dist
         if distance == 0.0:
             return lower
-        over, stance = phase.shift.end, phase.feet[taken.stance]
-        way = taken.step.p_WF[:2] - stance.p_WF[:2]
+        over, stance = phase.shift.end, phase.feet[phase.stance]
+        way = step.p_WF[:2] - stance.p_WF[:2]
         lean = distance * way / np.hypot(*way)
         omega = self._balance.omega(observation, (stance,))
         rules = self._balance.rules
         for share in np.linspace(1.0, 0.0, 11):
-            shift = WeightShift(over, over + share * lean, taken.swing.lower)
+            shift = WeightShift(over, over + share * lean, phase.swing.lower)
             inside = -support.distance_outside(shift.end)
             # The CoP of the motion must lie within the standing sole, too.
             pushed = -shift.cop_outside(support, omega)
@@ -106,15 +105,15 @@ class LowerControl(InAirControl[Lower]):
         self, phase: Lower, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the phase at touchdown; a foot that finds no ground returns."""
-        if observation.foot_force[phase.taken.foot] > self._touchdown_force:
+        if observation.foot_force[phase.step.foot] > self._touchdown_force:
             return self._touch_down(phase, observation), ()
-        if phase.taken.swing.has_missed(phase.elapsed):
+        if phase.swing.has_missed(phase.elapsed):
             return self._step_back(phase, observation)
         return phase, ()
 
     def _touch_down(self, phase: Lower, observation: Observation) -> StepSettle:
         """Presses the foot flat, because perhaps only an edge touched the ground."""
-        foot = phase.taken.foot
+        foot = phase.step.foot
         feet = with_foot(phase.feet, foot, observation.foot_pose(foot))
         return StepSettle(
             progress=phase.progress,
@@ -124,7 +123,9 @@ class LowerControl(InAirControl[Lower]):
             shift=phase.shift,
             shift_time=phase.shift_time,
             lean=phase.lean,
-            taken=phase.taken,
+            sent=phase.sent,
+            step=phase.step,
+            swing=phase.swing,
             went_back=phase.went_back,
         )
 
@@ -132,9 +133,9 @@ class LowerControl(InAirControl[Lower]):
         self, phase: Lower, observation: Observation
     ) -> tuple[StepSwing, tuple[Event, ...]]:
         """Returns the foot to its lift-off pose, where ground is known."""
-        taken, action = phase.taken, phase.taken.action
-        home = phase.feet[taken.foot]
-        here = observation.foot_pose(taken.foot)
+        foot, action = phase.step.foot, phase.step.action
+        home = phase.feet[foot]
+        here = observation.foot_pose(foot)
         swing = plan_step_swing(
             here,
             here,
@@ -146,18 +147,17 @@ class LowerControl(InAirControl[Lower]):
             self._profile,
         )
         normal = home.R_WF[:, 2].copy()
-        step = replace(taken.step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
+        step = replace(phase.step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
         back = StepSwing(**phase.__dict__)
-        taken = replace(taken, step=step, swing=swing)
-        back = replace(back, taken=taken, elapsed=0.0, went_back=True)
+        back = replace(back, step=step, swing=swing, elapsed=0.0, went_back=True)
         if action.step_end_dist != 0.0:
             # Bring the body back over the standing foot, from which it leant.
-            over, stance = phase.shift.start, (phase.feet[taken.stance],)
+            over, stance = phase.shift.start, (phase.feet[phase.stance],)
             quick = replace(action, sway_duration=swing.lower)
             shift = self._balance.shift_to(
                 observation, over, quick, stance, phase.support
             )
-            taken = replace(taken, action=replace(action, step_end_dist=0.0))
-            back = replace(back, taken=taken, shift=shift, shift_time=0.0)
+            upright = replace(step, action=replace(action, step_end_dist=0.0))
+            back = replace(back, step=upright, shift=shift, shift_time=0.0)
         text = f"step {step.index} found no ground; its foot returns"
         return back, (Event(observation.time, STEPS_LEFT, text),)

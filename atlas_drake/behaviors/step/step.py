@@ -15,7 +15,8 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.step.action import StepAction, step_spec_from
+from atlas_drake.behaviors.footsteps import step_data_from
+from atlas_drake.behaviors.step.action import step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import (
     RestControl,
@@ -34,7 +35,6 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
-from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -44,6 +44,7 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import StepAction
 
 
 class Step(BehaviorProtocol):
@@ -130,7 +131,7 @@ class Step(BehaviorProtocol):
 
     def plan(self, phase: StepState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the weight shift and the step in the air."""
-        steps = () if phase.in_air is None else (phase.in_air.step,)
+        steps = () if phase.in_air is None else (phase.in_air,)
         return phase.plan_of(phase.dcm_reference(omega), omega, steps)
 
     def paths(self, phase: StepState, com: np.ndarray, omega: float) -> PlannedPaths:
@@ -149,8 +150,8 @@ class Step(BehaviorProtocol):
         )
         if taken is not None:
             feedback.t_step_rem = phase.time_left(self._rules.settle)
-            feedback.desired_step_saturated = step_data_from(taken.step)
-            spec = step_spec_from(taken.step, taken.action)
+            feedback.desired_step_saturated = step_data_from(taken)
+            spec = step_spec_from(taken)
             feedback.desired_step_spec_saturated = spec
         return feedback
 
@@ -206,10 +207,10 @@ class Step(BehaviorProtocol):
         """Names the steps that STAND leaves out: a started step and a coming step."""
         # A step whose foot is still down is left out, too.
         left = [phase.progress.index] if isinstance(phase, StepShift) else []
-        wanted, request = self._beginning.requested(phase), phase.progress.request
+        desired, request = self._beginning.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
-        if wanted is not None and not demo:
-            left.append(wanted.step.index)
+        if desired is not None and not demo:
+            left.append(desired.index)
         if not left:
             return ()
         steps = "step" if len(left) == 1 else "steps"

@@ -16,9 +16,8 @@ from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyTarget
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.step.action import StepAction
 from atlas_drake.behaviors.step.config import StepRules
-from atlas_drake.behaviors.step.phases import StepPhase, TakenStep
+from atlas_drake.behaviors.step.phases import StepPhase
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
@@ -28,9 +27,9 @@ from atlas_drake.control.balance.weight_shift import (
     plan_weight_shift,
     sway_duration,
 )
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_kinematics import highest_com
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
+from atlas_drake.rotations import mean_yaw
 
 
 @dataclass(frozen=True)
@@ -102,9 +101,9 @@ class StepBalance:
         ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
         return Reach(ground + self._nominal_height, feet, list(enumerate(feet)))
 
-    def height_over(self, stance: FootPose, taken: TakenStep) -> float:
+    def height_over(self, stance: FootPose, step: Footstep) -> float:
         """Computes the requested height of the center of mass of a step, in W [m]."""
-        return float(stance.p_WF[2]) + self.planner.height(taken.action)
+        return float(stance.p_WF[2]) + self.planner.height(step.action)
 
     def body_target(self, phase: StepPhase, reach: Reach) -> BodyTarget:
         """Returns trunk and posture at the requested height, or the legs' reach."""

@@ -14,16 +14,10 @@ import numpy as np
 
 from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    FootPose,
-    Footstep,
-    outward,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import outward, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 
 def capture_step(

@@ -13,9 +13,10 @@ import numpy as np
 from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
-from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 
 def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:

@@ -12,16 +12,16 @@ from itertools import pairwise
 
 import numpy as np
 
+from atlas_drake.behaviors.footsteps import next_runs
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
-from atlas_drake.behaviors.step_queue import next_runs
 from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
-from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.frozen import replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 
 @dataclass(frozen=True)

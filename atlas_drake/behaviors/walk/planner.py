@@ -13,7 +13,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import caught_balance
+from atlas_drake.behaviors.footsteps import caught_balance
 from atlas_drake.behaviors.walk.capture import capture_step, closing_step
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
@@ -38,10 +38,11 @@ from atlas_drake.behaviors.walk.steps import (
 )
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
-from atlas_drake.control.feet.footstep import Footstep, landing_error
+from atlas_drake.control.feet.footstep import landing_error
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
 
 P = TypeVar("P", bound=WalkPhase)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import PhaseControl, with_foot
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
@@ -19,10 +19,10 @@ from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     touchdown_for_balance,
 )
-from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.control.feet.swing_foot import advance_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import LEFT
 
 
 class SingleSupport(PhaseControl[WalkSwing]):

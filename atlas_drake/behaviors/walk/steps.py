@@ -11,13 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
-from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step_queue import merge, step_data_from
+from atlas_drake.behaviors.footsteps import (
+    merge,
+    out_of_reach,
+    pace_changed,
+    step_data_from,
+)
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.control.feet.footstep import (
-    LEFT,
-    FootPose,
-    Footstep,
     ensure_clearance,
     heading_error,
     landing_error,
@@ -33,6 +34,7 @@ from atlas_drake.messages import (
     AtlasBehaviorWalkParams,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 
@@ -45,7 +47,7 @@ LEVEL = 0.02
 """A step up or down by more than this leads to another level [m]."""
 EDGE = 0.02
 """Largest distance of a step to another level from its commanded place [m]."""
-_NO_STEP = AtlasBehaviorStepData().snapshot()
+_NO_STEP = AtlasBehaviorStepData().freeze()
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,8 @@ class StepPreview:
 
     @cached_property
     def reported(self) -> tuple[AtlasBehaviorStepData, ...]:
-        """The steps as snapshots of messages, filled up with empty ones."""
-        steps = tuple(step_data_from(step).snapshot() for step in self.steps)
+        """The steps as frozen messages, filled up with empty ones."""
+        steps = tuple(step_data_from(step).freeze() for step in self.steps)
         return steps + (_NO_STEP,) * (NUM_REQUIRED_WALK_STEPS - len(steps))
 
 

@@ -18,8 +18,8 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.behaviors.entry import BehaviorTools
+from atlas_drake.behaviors.footsteps import replaced
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.step_queue import replaced
 from atlas_drake.behaviors.walk.both_feet import (
     DoubleSupport,
     Settling,
@@ -38,12 +38,12 @@ from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import LEVEL, feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
+from atlas_drake.rotations import mean_yaw
 
 _UPRIGHT = read_only(np.zeros(2))
 

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive
-from atlas_drake.control.feet.footstep import FootPose, Footstep, saturate
+from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 _TIMES = 9
 """Times of touchdown that are compared: a resolution of some 20 ms."""

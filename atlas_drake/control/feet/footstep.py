@@ -1,79 +1,21 @@
-"""Footsteps as geometry: landing poses of the soles, and the limits of a step.
+"""The limits of a step: reach, height, duration; and its error on landing.
 
-The pose of a foot is the pose of its sole frame: origin at the center of the sole on
-its bottom plane, x to the toes, z along the sole's normal. Messages and the timing of a
-gait are elsewhere.
+Geometry only; the timing of a gait is elsewhere.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.rotations import (
-    rotation_with_normal,
+from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import LEFT, UP, FootPose, Footstep
+from atlas_drake.rotations import (
     rotation_z,
     wrap_angle,
-    yaw_of,
 )
-from atlas_drake.frozen import replace
-
-LEFT, RIGHT = 0, 1
-UP = np.array([0.0, 0.0, 1.0])
-"""Normal of level ground."""
-
-
-@dataclass(frozen=True)
-class FootPose:
-    """Pose of a sole.
-
-    Attributes:
-        p_WF: Center of the sole in W [m], shape (3,).
-        R_WF: Orientation of the sole, shape (3, 3).
-    """
-
-    p_WF: np.ndarray
-    R_WF: np.ndarray
-
-    @property
-    def yaw(self) -> float:
-        """Heading of the toes [rad]."""
-        return yaw_of(self.R_WF)
-
-
-@dataclass(frozen=True)
-class Footstep:
-    """One step to take.
-
-    Attributes:
-        index: The caller's step index.
-        foot: LEFT or RIGHT.
-        p_WF: Landing point of the sole's center in W [m], shape (3,).
-        yaw: Heading of the toes on landing [rad].
-        duration: Time from one touchdown to the next [s].
-        swing_height: Apex of the swing above the middle of its ends [m].
-        normal: Normal of the ground at the landing point, a unit vector in W, shape
-            (3,).
-        relative: True if the height in ``p_WF`` is relative to the stance foot, not in
-            W.
-    """
-
-    index: int
-    foot: int
-    p_WF: np.ndarray
-    yaw: float
-    duration: float
-    swing_height: float
-    normal: np.ndarray = field(default_factory=UP.copy)
-    relative: bool = False
-
-    @property
-    def pose(self) -> FootPose:
-        """Returns the landing pose of a step whose height is in W."""
-        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
 def outward(foot: int) -> float:

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.rotations import rotation_x, rotation_y, rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import Leg
+from atlas_drake.rotations import rotation_x, rotation_y, rotation_z
 
 
 @dataclass(frozen=True)

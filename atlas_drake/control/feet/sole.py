@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ContactModel
-from atlas_drake.control.rotations import rotation_y
 from atlas_drake.control.whole_body.contact import ContactPatch
+from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import SoleSize
+from atlas_drake.rotations import rotation_y
 
 TOES = 0.03
 """Length of the strip at the front of a sole that carries a foot on its toes [m]:

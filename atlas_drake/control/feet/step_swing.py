@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import (
     SwingReference,
     quintic_progress,
     rise_and_fall,
 )
-from atlas_drake.control.rotations import rotation_about, rotation_vector
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import rotation_about, rotation_vector
 
 PEAK_SPEED = 1.875
 """Peak speed of the quintic from rest to rest, over distance per duration: a property

@@ -20,14 +20,14 @@ from atlas_drake.configuration import (
     ProperShare,
     Share,
 )
-from atlas_drake.control.feet.footstep import FootPose, Footstep
-from atlas_drake.control.rotations import (
+from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import (
     cross,
     rotation_with_normal,
     rotation_y,
     wrap_angle,
 )
-from atlas_drake.frozen import replace
 
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for

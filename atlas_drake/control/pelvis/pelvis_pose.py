@@ -20,15 +20,15 @@ from atlas_drake.configuration import (
     Range,
 )
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.rotations import (
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import (
     mean_yaw,
     orientation,
     tilt_of,
     wrap_angle,
     yaw_of,
 )
-from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 @dataclass(frozen=True)

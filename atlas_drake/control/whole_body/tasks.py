@@ -15,10 +15,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body.contact import Contact
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.errors import shown
+from atlas_drake.rotations import rotation_error
 
 _STILL = np.zeros(3)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.step_queue import (
+from atlas_drake.behaviors.footsteps import (
     NO_STEP,
     footstep_from,
     merge,
@@ -13,8 +13,8 @@ from atlas_drake.behaviors.step_queue import (
     replaced,
     step_data_from,
 )
-from atlas_drake.control.feet.footstep import LEFT, RIGHT, Footstep
 from atlas_drake.messages import AtlasBehaviorStepData, Pose, Quaternion, Vector3
+from atlas_drake.messages.footstep import LEFT, RIGHT, Footstep
 
 
 def data(index, foot=LEFT, yaw=0.0, scale=1.0, x=0.0):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.control.rotations import (
+from atlas_drake.rotations import (
     cross,
     mean_yaw,
     orientation,

@@ -1,0 +1,130 @@
+"""A footstep, from the door to the report: desired, planned, taken or landed.
+
+The pose of a foot is the pose of its sole frame: origin at the center of the sole on
+its bottom plane, x to the toes, z along the sole's normal. The limits of a step are in
+``control.feet.footstep``; ``behaviors.footsteps`` reads and writes the messages.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+import numpy as np
+
+from atlas_drake.errors import shown
+from atlas_drake.frozen import Frozen, read_only
+from atlas_drake.messages.behavior_params import ToeOff
+from atlas_drake.numeric import as_float
+from atlas_drake.rotations import rotation_with_normal, yaw_of
+
+LEFT, RIGHT = 0, 1
+UP: np.ndarray = read_only(np.array([0.0, 0.0, 1.0]))
+"""Normal of level ground."""
+
+
+@dataclass(frozen=True)
+class FootPose:
+    """Pose of a sole.
+
+    Attributes:
+        p_WF: Center of the sole in W [m], shape (3,).
+        R_WF: Orientation of the sole, shape (3, 3).
+    """
+
+    p_WF: np.ndarray
+    R_WF: np.ndarray
+
+    @property
+    def yaw(self) -> float:
+        """Heading of the toes [rad]."""
+        return yaw_of(self.R_WF)
+
+
+@dataclass(frozen=True)
+class StepAction:
+    """Timing and motion of a step of STEP; the defaults are safe for the robot.
+
+    Attributes:
+        step_duration: Duration of single support [s].
+        sway_duration: Duration of the weight shift before single support [s].
+        swing_height: Rise above the lift height while the foot moves across [m].
+        lift_height: Vertical lift above the higher of the two footholds [m].
+        knee_nominal: Flexion of the standing knee [rad].
+        max_body_accel: Largest acceleration of the body; a lower bound of the weight
+            shift's duration follows from it [m/s²].
+        max_foot_vel: Largest speed of the foot; a lower bound of the step's duration
+            follows from it [m/s].
+        sway_end_dist: Distance from the end of the weight shift to the middle of the
+            standing sole [m].
+        step_end_dist: Distance by which the body leans into the step as the foot comes
+            down [m].
+        toe_off: Setting for the heel of the leaving foot in the weight shift.
+    """
+
+    step_duration: float = 0.7
+    sway_duration: float = 0.6
+    swing_height: float = 0.02
+    lift_height: float = 0.06
+    knee_nominal: float = 0.6
+    max_body_accel: float = 0.4
+    max_foot_vel: float = 0.5
+    sway_end_dist: float = 0.01
+    step_end_dist: float = 0.0
+    toe_off: ToeOff = ToeOff.ENABLE
+
+
+@dataclass(frozen=True)
+class Footstep(Frozen):
+    """One step.
+
+    Attributes:
+        index: Number of the step, counted from 1.
+        foot: LEFT (0) or RIGHT (1).
+        p_WF: Landing point of the sole's center in W [m], shape (3,).
+        yaw: Heading of the toes on landing [rad].
+        duration: Time from one touchdown to the next [s].
+        swing_height: Apex of the swing above the middle of its ends [m].
+        normal: Normal of the ground at the landing point, a unit vector in W, shape
+            (3,).
+        relative: True if the height in ``p_WF`` is relative to the stance foot, not in
+            W.
+        action: Timing and motion, for STEP.
+    """
+
+    index: int
+    foot: int
+    p_WF: np.ndarray
+    yaw: float
+    duration: float = 0.0
+    swing_height: float = 0.0
+    normal: np.ndarray = field(default_factory=lambda: UP)
+    relative: bool = False
+    action: StepAction = StepAction()
+
+    def __post_init__(self) -> None:
+        """Take the point as a read-only array.
+
+        Raises:
+            ValueError: If a field is none of these; it names the field.
+        """
+        if self.foot not in (LEFT, RIGHT):
+            _refuse("foot", "0 or 1", self.foot)
+        if as_float(self.yaw) is None:
+            _refuse("yaw", "a number", self.yaw)
+        try:
+            p_WF = np.array(self.p_WF, dtype=float)
+        except (TypeError, ValueError):
+            p_WF = np.empty(0)
+        if p_WF.shape != (3,):
+            _refuse("p_WF", "of shape (3,)", self.p_WF)
+        object.__setattr__(self, "p_WF", read_only(p_WF))
+
+    @property
+    def pose(self) -> FootPose:
+        """The landing pose of a step whose height is in W."""
+        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
+
+
+def _refuse(name: str, required: str, value: object) -> NoReturn:
+    raise ValueError(f"{name} of a Footstep must be {required}, is {shown(value)}")

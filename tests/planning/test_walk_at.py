@@ -1,0 +1,251 @@
+"""Velocities become footsteps: geometry, and a robot that walks by them."""
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from atlas_drake import (
+    AtlasSimInterfaceState,
+    AtlasSimulation,
+    Behavior,
+    Gait,
+    stop_walking,
+    walk_at,
+)
+from atlas_drake.behaviors.footsteps import footstep_from
+from atlas_drake.control.feet.footstep import saturate
+from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.frozen import replace
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorStepData
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.planning.footholds import foothold
+from atlas_drake.planning.walk_at import first_open_step
+from atlas_drake.rotations import rotation_z
+
+GAIT = Gait()
+AHEAD = GAIT.stride / GAIT.duration
+ASIDE, TURN = 0.25 * AHEAD, GAIT.turn / GAIT.duration
+VELOCITIES = {
+    "forward": (AHEAD, 0.0, 0.0),
+    "backward": (-0.7 * AHEAD, 0.0, 0.0),
+    "arc left": (AHEAD, 0.0, TURN),
+    "arc right": (AHEAD, 0.0, -TURN),
+    "left": (0.0, ASIDE, 0.0),
+    "right": (0.0, -ASIDE, 0.0),
+    "turn left": (0.0, 0.0, TURN),
+    "turn right": (0.0, 0.0, -TURN),
+    "on the spot": (0.0, 0.0, 0.0),
+}
+
+
+@pytest.fixture
+def standing():
+    """A report of a robot that stands at the origin and looks along x."""
+    report = AtlasSimInterfaceState()
+    report.current_behavior = report.desired_behavior = Behavior.STAND
+    for pose, y in zip(report.foot_pos_est, (0.12, -0.12), strict=True):
+        pose.position.y = y
+    return report
+
+
+def walking(report, steps, in_air=True):
+    """The report while the first of some steps is in the air, or once it has landed."""
+    report.current_behavior = report.desired_behavior = Behavior.WALK
+    feedback = report.walk_feedback
+    feedback.current_step_index = steps[0].step_index
+    if not in_air:
+        report.foot_pos_est[steps[0].foot_index] = steps[0].pose
+    known = [*steps[0 if in_air else 1 :], *[AtlasBehaviorStepData()] * 4]
+    feedback.step_queue_saturated = known[:NUM_REQUIRED_WALK_STEPS]
+    return report
+
+
+def steps_of(command):
+    return command.walk_params.step_queue
+
+
+def follow(report, velocity, count=9, gait=GAIT):
+    """Takes ``count`` steps exactly as told, with news while each is in the air."""
+    steps = steps_of(walk_at(report, *velocity, gait))
+    taken = []
+    for _ in range(count):
+        taken.append(steps[0])
+        walking(report, steps[:1])
+        steps = steps_of(walk_at(report, *velocity, gait))
+        walking(report, [taken[-1], *steps], in_air=False)
+    return taken
+
+
+def middle(report):
+    left, right = (foothold(pose) for pose in report.foot_pos_est)
+    return 0.5 * (left.x + right.x), 0.5 * (left.y + right.y), left.yaw
+
+
+def test_forward_is_a_stride_per_step(standing):
+    taken = follow(standing, VELOCITIES["forward"])
+    assert [step.step_index for step in taken] == list(range(1, 10))
+    assert [step.foot_index for step in taken[:4]] == [0, 1, 0, 1]
+    x = [step.pose.position.x for step in taken]
+    gains = [b - a for a, b in pairwise(x)]
+    assert x[0] == pytest.approx(GAIT.stride_change)
+    assert gains == pytest.approx([GAIT.stride] * 8)
+    assert {abs(step.pose.position.y) for step in taken} == {GAIT.half_width}
+
+
+def test_backward_is_the_other_way_and_slower(standing):
+    taken = follow(standing, VELOCITIES["backward"])
+    assert -9 * GAIT.stride < taken[-1].pose.position.x < -0.5
+
+
+@pytest.mark.parametrize(("name", "sign"), [("left", 1.0), ("right", -1.0)])
+def test_sideways_begins_with_the_foot_on_that_side(standing, name, sign):
+    taken = follow(standing, VELOCITIES[name], count=8)
+    assert taken[0].foot_index == (LEFT if sign > 0 else RIGHT)
+    x, y, yaw = middle(standing)
+    assert (x, yaw) == pytest.approx((0.0, 0.0))
+    assert y == pytest.approx(sign * 4 * 0.5 * GAIT.stride)
+
+
+@pytest.mark.parametrize(("name", "sign"), [("turn left", 1.0), ("turn right", -1.0)])
+def test_turning_stays_on_the_spot(standing, name, sign):
+    follow(standing, VELOCITIES[name], count=8)
+    x, y, _ = middle(standing)
+    assert math.hypot(x, y) < 0.02
+    assert foothold(standing.foot_pos_est[0]).yaw == pytest.approx(
+        sign * 7.5 * GAIT.turn, abs=GAIT.turn
+    )
+
+
+@pytest.mark.parametrize(("name", "sign"), [("arc left", 1.0), ("arc right", -1.0)])
+def test_arcs_curve_to_their_side(standing, name, sign):
+    follow(standing, VELOCITIES[name])
+    x, y, yaw = middle(standing)
+    assert x > 0.5
+    assert sign * y > 0.3
+    assert sign * yaw > 1.0
+
+
+@pytest.mark.parametrize("velocity", VELOCITIES.values(), ids=VELOCITIES)
+@pytest.mark.parametrize(
+    "gait", [GAIT, Gait(duration=1.2, swing_height=0.25), Gait(stride_change=0.05)]
+)
+def test_no_step_has_to_be_saturated(standing, velocity, gait):
+    feet = [foothold(pose) for pose in standing.foot_pos_est]
+    for data in follow(standing, velocity, gait=gait):
+        x, y, yaw = feet[1 - data.foot_index]
+        stance = FootPose(footstep_from(data).p_WF * 0.0, rotation_z(yaw))
+        stance.p_WF[:2] = x, y
+        step = footstep_from(data)
+        taken = saturate(step, stance, StepLimits())
+        assert taken.p_WF == pytest.approx(step.p_WF, abs=1e-9)
+        assert math.cos(taken.yaw - step.yaw) == pytest.approx(1.0, abs=1e-12)
+        assert taken.duration == pytest.approx(step.duration)
+        feet[data.foot_index] = foothold(data.pose)
+
+
+@pytest.mark.parametrize(
+    ("speed", "duration", "stride"),
+    [
+        (0.4, 0.63, 0.252),
+        (0.64, 0.63, 0.4032),
+        (0.67, 0.4076 / 0.67, 0.4076),
+        (9, 0.6, 0.4076),
+    ],
+)
+def test_longer_strides_come_first_then_quicker_steps(
+    standing, speed, duration, stride
+):
+    gait = Gait(stride_change=1.0)
+    steps = follow(standing, (speed, 0.0, 0.0), 3, gait)
+    assert steps[2].duration == pytest.approx(duration, rel=1e-3)
+    gained = steps[2].pose.position.x - steps[1].pose.position.x
+    assert gained == pytest.approx(stride, rel=1e-3)
+
+
+def test_a_step_that_has_begun_no_longer_changes(standing):
+    assert first_open_step(standing) == 1
+    steps = steps_of(walk_at(standing))
+    assert [step.step_index for step in steps] == [1, 2, 3, 4]
+    # In the air: the next step may change. On the ground: the weight moves for it.
+    assert first_open_step(walking(standing, steps)) == 2
+    assert first_open_step(walking(standing, steps, in_air=False)) == 3
+    steps = steps_of(walk_at(standing, AHEAD))
+    assert steps[0].step_index == 3
+    assert steps[0].foot_index == LEFT
+
+
+def test_what_the_robot_already_does_is_not_sent_again(standing):
+    steps = steps_of(walk_at(standing, AHEAD))
+    assert walk_at(walking(standing, steps), AHEAD) is None
+    assert walk_at(standing, AHEAD, turn=0.1) is not None
+    steps[0].pose.position.x += 0.05  # Balance has moved it.
+    assert walk_at(standing, AHEAD) is not None
+
+
+def test_a_step_lands_beside_where_the_one_before_is_reported_to_land(standing):
+    steps = steps_of(walk_at(standing))
+    steps[0].pose.position.x = 0.3
+    steps = steps_of(walk_at(walking(standing, steps[:1]), gait=Gait(stride_change=1)))
+    assert steps[0].pose.position.x == pytest.approx(0.3)
+
+
+def test_a_change_of_velocity_goes_through_shorter_strides(standing):
+    gait = replace(GAIT, stride_change=0.1)
+    taken = follow(standing, (AHEAD, 0.0, 0.0), 5, gait)
+    coming = standing.walk_feedback.step_queue_saturated[0]
+    steps = steps_of(walk_at(standing, -AHEAD, gait=gait))
+    x = [step.pose.position.x for step in (taken[-1], coming, *steps)]
+    changes = [b - a for a, b in pairwise(x)]
+    assert changes == pytest.approx([0.2, 0.1, 0.0, -0.1, -0.2])
+
+
+def test_another_behavior_gives_way_to_stand_first(standing):
+    standing.current_behavior = standing.desired_behavior = Behavior.MANIPULATE
+    assert walk_at(standing, AHEAD).behavior == Behavior.STAND
+    standing.desired_behavior = Behavior.STAND
+    assert walk_at(standing, AHEAD) is None
+    assert stop_walking(standing) is None
+
+
+def test_a_walk_stops_by_shorter_strides_with_the_feet_side_by_side(standing):
+    gait = replace(GAIT, stride=0.35, stride_change=0.1)
+    taken = follow(standing, (0.35 / gait.duration, 0.0, 0.0), 6, gait)
+    walking(standing, [taken[-1]])
+    steps = steps_of(stop_walking(standing, gait))
+    x = [taken[-1].pose.position.x, *(step.pose.position.x for step in steps)]
+    gains = [b - a for a, b in pairwise(x)]
+    assert gains == pytest.approx([0.25, 0.15, 0.05, 0.0])
+    for step, after in pairwise(steps):
+        walking(standing, [step, after], in_air=False)
+    assert stop_walking(standing, gait).behavior == Behavior.WALK
+    walking(standing, [steps[-1]])
+    assert stop_walking(standing, gait).behavior == Behavior.STAND
+
+
+def test_a_robot_walks_at_a_velocity_turns_and_stops():
+    sim = AtlasSimulation()
+    gait = sim.scenario.controller_config().gait()
+    places, sent = [], 0
+    while sim.current_behavior != Behavior.STAND or sim.time < 6.0:
+        report = sim.atlas_sim_interface_state
+        if sim.time < 4.0:
+            command = walk_at(report, 0.4, gait=gait)
+        elif sim.time < 6.0:
+            command = walk_at(report, 0.2, turn=0.2, gait=gait)
+        else:
+            command = stop_walking(report, gait)
+        if command is not None:
+            sim.publish(command)
+            sent += 1
+        sim.advance(0.1)
+        places.append(sim.pelvis_pose.translation()[0])
+    assert (places[39] - places[20]) / 1.9 == pytest.approx(0.4, abs=0.02)
+    assert not sim.has_fallen
+    # A command for each step, as each needs one more to follow; few besides.
+    assert sent < 1.3 * len(sim.footsteps)
+    left, right = map(foothold, sim.atlas_sim_interface_state.foot_pos_est)
+    assert left.yaw == pytest.approx(right.yaw, abs=0.02)
+    assert left.yaw > 0.3
+    apart = math.hypot(left.x - right.x, left.y - right.y)
+    assert apart == pytest.approx(gait.stance_width, abs=0.01)

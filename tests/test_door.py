@@ -1,0 +1,217 @@
+"""The door refuses any fault by name, and gives what it accepts one frozen form."""
+
+import copy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
+from atlas_drake.messages import (
+    NO_STEP,
+    Accepted,
+    AtlasBehaviorStepData,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+    Header,
+    Message,
+    Refusal,
+    accept,
+)
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
+from atlas_drake.messages.commands import commands_at_start, latch
+from atlas_drake.robot import load_robot
+
+from .hostile import filled_command, paths, put, spoiled_commands
+from .poison import POISON
+
+ROBOT = load_robot()
+KINDS = [AtlasCommand, AtlasSimInterfaceCommand]
+START = commands_at_start(ROBOT, Behavior.STAND)
+
+
+def accepted(message):
+    outcome = accept(message, ROBOT)
+    assert isinstance(outcome, Accepted), outcome
+    return outcome
+
+
+def refusal(message):
+    outcome = accept(message, ROBOT)
+    assert isinstance(outcome, Refusal), outcome
+    return outcome
+
+
+@settings(
+    max_examples=500,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+@given(spoiled_commands())
+def test_any_wrong_value_is_refused_once_by_name_and_changes_nothing(spoiled):
+    command, path = spoiled
+    outcome = refusal(command)
+    assert outcome.field.startswith(path)
+    assert outcome.error_code != ErrorCode.NO_ERRORS
+    assert len(str(outcome.error)) < 1000
+    ports = (
+        [command, NOTHING] if isinstance(command, AtlasCommand) else [NOTHING, command]
+    )
+    force = latch(START, *ports, ROBOT, 1.0)
+    assert force.refused == force.received == 1
+    assert (force.joints, force.request) == (START.joints, START.request)
+    # It stays on its port.
+    assert latch(force, *ports, ROBOT, 2.0) is force
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_accepted_has_one_form_and_never_changes(kind):
+    command = filled_command(kind)
+    arrays = [path for path, value in paths(command) if value == []]
+    outcomes = []
+    for number, make in enumerate((list, tuple, np.array, np.float32)):
+        for path in arrays:
+            put(command, path, make([0.0, 1.0] * 14))
+        command.k_effort = make([0, 255] * 14)
+        command.header.stamp = (1, 1.0, np.float64(1.0), np.int16(1))[number]
+        outcomes.append(accepted(command))
+        assert outcomes[-1] == outcomes[0] == accepted(copy.deepcopy(command))
+    last = outcomes[-1]
+    assert last.message.k_effort == (0, 255) * 14
+    assert {type(number) for number in last.message.k_effort} == {int}
+    assert {type(number) for number in last.message.position} == {float}
+    assert last.joints["position"].tolist() == [0.0, 1.0] * 14
+    assert accept(last.message, ROBOT) == last
+    for path, value in paths(last.message):
+        assert not isinstance(value, list | np.ndarray | np.generic), path
+        with pytest.raises(AttributeError, match="frozen"):
+            put(last.message, path, value)
+    with pytest.raises(ValueError, match="read-only"):
+        last.joints["position"][0] = 1.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_empty_message_is_valid_and_numbers_may_be_of_numpy(kind):
+    assert accepted(kind()).joints == {}
+    assert accepted(kind(position=np.zeros(0))).joints == {}
+    assert accepted(kind(header=Header(None))).message.header.stamp is None
+
+
+def test_a_bad_element_is_named_with_its_joint():
+    outcome = refusal(AtlasCommand(kp_position=[1.0, *[-1.0] * 27]))
+    assert outcome.field == "kp_position[1]"
+    assert ROBOT.joint_names[1] in outcome.problem
+
+
+def test_integral_bounds_must_not_cross():
+    lower = [0.0] * 28
+    upper = [0.0, -1.0, *[0.0] * 26]
+    outcome = refusal(AtlasCommand(i_effort_min=lower, i_effort_max=upper))
+    assert outcome.field == "i_effort_min[1]"
+    assert ROBOT.joint_names[1] in outcome.problem
+    accepted(AtlasCommand(i_effort_min=lower))
+    accepted(AtlasCommand(i_effort_max=upper))
+
+
+def test_directions_have_a_length():
+    for path, value in (
+        ("walk_params.step_queue[0].pose.orientation", "w"),
+        ("step_params.desired_step.pose.orientation", "w"),
+        ("step_params.desired_step_spec.foot.normal", "z"),
+    ):
+        command = filled_command(AtlasSimInterfaceCommand)
+        put(command, f"{path}.{value}", 1e-9)
+        assert refusal(command).field == path
+        put(command, f"{path}.{value}", 0.3)
+        accepted(command)
+
+
+def test_of_an_empty_step_nothing_is_read():
+    command = filled_command(AtlasSimInterfaceCommand)
+    empty = AtlasBehaviorStepData(step_index=NO_STEP, foot_index=7, duration=-1.0)
+    command.walk_params.step_queue[3] = empty
+    spec = command.step_params.desired_step_spec
+    spec.step_index, spec.foot_index, spec.foot.yaw = NO_STEP, 9, float("nan")
+    made = accepted(command).message
+    assert made.walk_params.step_queue[3] == AtlasBehaviorStepData()
+
+
+@pytest.mark.parametrize("indices", [(1, 1, 2, 3), (2, 1, 3, 4), (1, 2, 4, 3)])
+def test_step_indices_must_increase(indices):
+    command = filled_command(AtlasSimInterfaceCommand)
+    queue = command.walk_params.step_queue
+    for step, index in zip(queue, indices, strict=True):
+        step.step_index = index
+    outcome = refusal(command)
+    place = next(i for i in range(1, 4) if indices[i] <= indices[i - 1])
+    assert outcome.field == f"walk_params.step_queue[{place}].step_index"
+    assert outcome.error_code is ErrorCode.INVALID_INDEX
+    for step in queue:
+        step.step_index = np.int64(20 + queue.index(step))
+    accepted(command)
+
+
+def test_codes_tell_indices_behaviors_and_values_apart():
+    for path, value, code in (
+        ("walk_params.step_queue[2].step_index", 0, ErrorCode.INVALID_INDEX),
+        ("step_params.desired_step.foot_index", 2, ErrorCode.INVALID_INDEX),
+        ("behavior", "stroll", ErrorCode.NO_SUCH_BEHAVIOR),
+        ("stand_params", None, ErrorCode.VALUE_OUT_OF_RANGE),
+    ):
+        command = filled_command(AtlasSimInterfaceCommand)
+        put(command, path, value)
+        outcome = refusal(command)
+        assert (outcome.field, outcome.error_code) == (path, code)
+        assert outcome.error.value == value
+
+
+def test_values_below_their_threshold_and_flags_of_any_type_are_taken():
+    command = filled_command(AtlasSimInterfaceCommand)
+    action = command.step_params.desired_step_spec.action
+    action.toe_off = np.int32(2)
+    action.sway_duration = action.swing_height = action.knee_nominal = -1.0
+    action.sway_end_dist = 7.0
+    for flag in (True, 1, np.True_):
+        command.manipulate_params.use_desired = flag
+        assert accepted(command).message.manipulate_params.use_desired is True
+
+
+def test_any_other_value_is_no_message():
+    for thing in (None, 5, "STAND", [1.0], {"behavior": 3}, Header(), object()):
+        assert refusal(thing).field == "message"
+    assert isinstance(accepted(AtlasCommand()).message, Message)
+    outcome = accept(AtlasCommand(), ROBOT, kind=AtlasSimInterfaceCommand)
+    assert isinstance(outcome, Refusal)
+
+
+@dataclass
+class Anything:
+    """Parameters of a behavior of one's own."""
+
+    value: Any
+
+
+@pytest.mark.parametrize("poison", POISON)
+def test_parameters_of_a_users_behavior_are_refused_or_compared(poison):
+    bow = BehaviorInterface(name="BOW", number=100, params=Anything)
+    catalog = BehaviorCatalog((*SHIPPED, bow))
+
+    def outcome():
+        params = Anything(POISON[poison]())
+        message = AtlasSimInterfaceCommand(behavior="BOW", params=params)
+        return accept(message, ROBOT, catalog)
+
+    # What stays on a port is no news, whether it can be used or not.
+    assert outcome() == outcome()
+    never = ("unspeakable", "generator", "nested too deep", "list within itself")
+    if poison in never:
+        assert outcome().field == "params"
