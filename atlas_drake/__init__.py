@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     )
     from atlas_drake.planning.step_stream import StepStream
     from atlas_drake.planning.walk_at import stop_walking, walk_at
+    from atlas_drake.records import TickRecord
     from atlas_drake.scenario import (
         Jitter,
         Model,
@@ -59,6 +60,7 @@ _LAZY = {
     "Model": "atlas_drake.scenario",
     "Log": "atlas_drake.logs",
     "LogError": "atlas_drake.logs",
+    "TickRecord": "atlas_drake.records",
     "Scenario": "atlas_drake.scenario",
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
@@ -96,6 +98,7 @@ __all__ = [  # noqa: PLE0604
     "SimulationError",
     "Start",
     "StepStream",
+    "TickRecord",
     "WaitTimeoutError",
     "load_scenario",
     "place_robot",

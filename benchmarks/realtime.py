@@ -48,7 +48,6 @@ GOALS = {
     "default": ("closed loop at the default steps / bare plant", 1.25),
     "fine": ("closed loop at 1 and 2 ms / bare plant", 2.6),
     "tick": ("median controller tick / step of the bare plant", 1.6),
-    "npz": ("run with an .npz log / without", 1.1),
     "mcap": ("run with an .mcap log / without", 1.25),
     "view": ("run with a 3D view / without", 1.1),
     "reset_s": ("new run by reset(seed=...) [s]", 0.05),
@@ -145,7 +144,6 @@ def measure(model: str) -> dict:
         runs = {
             "default": AtlasSimulation(scenario),
             "fine": AtlasSimulation(fine),
-            "npz": AtlasSimulation(scenario, log=Path(folder) / "run.npz"),
             "mcap": AtlasSimulation(scenario, log=Path(folder) / "run.mcap"),
             # Pictures are sent whether or not a browser is there to draw them.
             "view": AtlasSimulation(scenario, view=Meshcat()),
@@ -157,10 +155,9 @@ def measure(model: str) -> dict:
                 walls.setdefault(name, []).append(time.perf_counter() - begin)
             walls.setdefault("bare", []).append(bare.advance(PIECE))
             print(f"\r{sim.time:5.1f} of {DURATION:g} s", end="", flush=True)
-        for name in ("npz", "mcap"):
-            begin = time.perf_counter()
-            runs[name].close()
-            walls[name].append(time.perf_counter() - begin)
+        begin = time.perf_counter()
+        runs["mcap"].close()
+        walls["mcap"].append(time.perf_counter() - begin)
     print("\r" + " " * 20 + "\r", end="")
     total = {name: sum(pieces) for name, pieces in walls.items()}
     sim = runs["default"]
@@ -179,7 +176,6 @@ def measure(model: str) -> dict:
         "default": total["default"] / total["bare"],
         "fine": total["fine"] / total["bare"],
         "tick": tick["median"] / bare_step,
-        "npz": total["npz"] / total["default"],
         "mcap": total["mcap"] / total["default"],
         "view": total["view"] / total["default"],
         "reset_s": reset_time(sim),

@@ -11,6 +11,7 @@ from functools import partial
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
@@ -49,11 +50,14 @@ from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
+from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 CONTROLLER_INPUTS = ("state", "foot_loads", "user_forecast", "commands", "imu")
 """Signals that a controller may read, see ``controller_socket``."""
 EXPORTED = (
+    "record",
+    "marks",
     "atlas_state",
     "imu",
     "foot_wrenches",
@@ -63,7 +67,7 @@ EXPORTED = (
     "commands",
     "user_effort",
     "effort",
-    "extremes",
+    "peaks",
     "pushes",
     "fall",
     "body_poses",
@@ -114,6 +118,8 @@ def make_atlas_station(
         applied_spatial_force: Further forces, as Drake's plant takes them; optional.
 
     Output ports:
+        record: ``TickRecord`` of the latest control tick, see ``TickRecorder``.
+        marks: Counts of events so far.
         atlas_state: ``AtlasState``
         imu: ``Imu``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
@@ -125,7 +131,7 @@ def make_atlas_station(
         user_effort: Efforts of the joint controllers [N·m], shape (n,), message order.
         behavior_state: State that the behaviors read.
         foot_wrenches, hand_wrenches, contact_wrenches: See ``RobotSensors``.
-        extremes: Extremes of the run so far, see ``RunStatistics``.
+        peaks: Peaks of the run so far, see ``RunStatistics``.
         pushes: ``PushState``
         fall: ``Fall``; NOTHING until the robot falls.
         harness: ``HarnessState``; only with a harness.
@@ -193,6 +199,7 @@ def make_atlas_station(
         "behavior_effort": socket.effort,
         "controller_status": socket.status,
         "planned_paths": socket.paths,
+        "event_count": socket.event_count,
     }
     systems = (commands, pid, selector, sensors, statistics, pushes, falls)
     for system in (*systems, reporter):
@@ -207,6 +214,7 @@ def make_atlas_station(
         pushed = signals["applied_spatial_force"]
         _connect(builder, harness, {**signals, "other_spatial_force": pushed})
         signals |= _outputs(harness)
+    signals |= _add_recorder(builder, robot, plant, scenario, signals)
     for system in systems:
         _connect(builder, system, signals)
     behavior_signals = {**signals, "state": signals["behavior_state"]}
@@ -292,13 +300,37 @@ def _add_plant(
     add_world(plant, world)
     plant.Finalize()
     own = plant.num_multibody_states(robot.instance(plant))
-    if world and own != robot.make_plant().num_multibody_states():
+    if world and own != robot.plant.num_multibody_states():
         raise WorldError(
             f"world must not add bodies that move to the model of {robot.name}; a "
             "model instance of their own can be welded to it, or hang on its joints"
         )
     stand_by_default(plant, robot, terrain)
     return plant, scene_graph
+
+
+def _add_recorder(
+    builder: DiagramBuilder,
+    robot: Robot,
+    plant: MultibodyPlant,
+    scenario: Scenario,
+    signals: Mapping[str, OutputPort],
+) -> dict[str, OutputPort]:
+    """Adds what makes the records; returns its signals by name."""
+    recorder = builder.AddNamedSystem(
+        "tick_recorder",
+        TickRecorder(
+            robot, plant, scenario.control_period, scenario.state == "estimated"
+        ),
+    )
+    # Drake joins them in a fraction of the time that reading each of them would take.
+    joined = builder.AddNamedSystem(
+        "record_numbers", Multiplexer([*recorder.sizes.values()])
+    )
+    for index, name in enumerate(recorder.sizes):
+        builder.Connect(signals[name], joined.get_input_port(index))
+    _connect(builder, recorder, {**signals, "numbers": joined.get_output_port()})
+    return _outputs(recorder)
 
 
 def _add_estimator(

@@ -80,12 +80,14 @@ class ControllerSocket:
         effort: Output port of its efforts.
         status: Output port of its status, or of a blank status if it has none.
         paths: Output port of its planned paths, or of blank paths.
+        event_count: Output port of the number of its events.
     """
 
     system: System
     effort: OutputPort
     status: OutputPort
     paths: OutputPort
+    event_count: OutputPort
 
     def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
         """Connects every input port that the controller has to the source of its name.
@@ -142,6 +144,24 @@ class _Check(CollectableSystem):
         )
 
 
+class _EventCounter(CollectableSystem):
+    """Reads the number of events from a status; for controllers that are not ours."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__()
+        port = self.DeclareAbstractInputPort(STATUS, AbstractValue.Make(NOTHING))
+        index = port.get_index()
+        self.DeclareVectorOutputPort(
+            "event_count",
+            1,
+            lambda context, output: output.SetAtIndex(
+                0, self.get_input_port(index).Eval(context).event_count
+            ),
+        )
+
+
 def add_controller(
     builder: DiagramBuilder,
     source: ControllerSource,
@@ -191,18 +211,21 @@ def add_controller(
             "callable (robot, scenario) -> System makes one for each"
         )
     builder.AddNamedSystem(CONTROLLER, controller)
-    return ControllerSocket(
+    status = _report_port(
+        builder,
         controller,
-        effort,
-        _report_port(
-            builder,
-            controller,
-            STATUS,
-            ControllerStatus(),
-            partial(check_status, catalog=catalog),
-        ),
-        _report_port(builder, controller, PATHS, PlannedPaths(), check_paths),
+        STATUS,
+        ControllerStatus(),
+        partial(check_status, catalog=catalog),
     )
+    paths = _report_port(builder, controller, PATHS, PlannedPaths(), check_paths)
+    if isinstance(controller, WholeBodyController):
+        count = controller.GetOutputPort("event_count")
+    else:
+        counter = builder.AddNamedSystem("event_counter", _EventCounter())
+        builder.Connect(status, counter.get_input_port())
+        count = counter.get_output_port()
+    return ControllerSocket(controller, effort, status, paths, count)
 
 
 def _report_port(

@@ -58,17 +58,20 @@ def make_replay(
     beside_robot = (*world_of(log.scenario.all_models()), *world)
     builder.AddNamedSystem("station", _make_station(log, beside_robot))
     station: Any = builder.GetSubsystemByName("station")
+    catalog = log.header.catalog
     # The modules of displays load only if needed.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
         from atlas_drake.visualization.scene import show_start
 
-        add_meshcat_view(builder, station, robot, meshcat, overlays)
+        add_meshcat_view(builder, station, robot, catalog, meshcat, overlays)
         show_start(meshcat, log.scenario)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, log.scenario, video, world, overlays)
+        add_video(
+            builder, station, robot, catalog, log.scenario, video, world, overlays
+        )
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram

@@ -20,6 +20,7 @@ _FORGET = (
     "state_estimator",
     "push_source",
     "fall_monitor",
+    "tick_recorder",
 )
 """Systems that return to a state of rest; a station need not have every one."""
 _BEGIN = ("command_interface", CONTROLLER)

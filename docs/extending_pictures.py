@@ -175,7 +175,7 @@ def _draw_fall(own: dict[str, Any], picture: Path) -> None:
     from matplotlib.figure import Figure
 
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "fall.npz"
+        path = Path(folder) / "fall.mcap"
         with AtlasSimulation(controller=own["Fainting"], log=path) as sim:
             sim.advance(3.2)
         log = read_log(path)

@@ -96,9 +96,9 @@ def test_a_frame_of_the_robot_has_a_pose():
 
 
 def test_an_element_of_a_channel_has_a_name(tmp_path):
-    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.mcap") as sim:
         sim.advance(0.02)
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     np.testing.assert_array_equal(
         log.column("balance.com", "z"), log["balance.com"][:, 2]
     )
@@ -153,8 +153,9 @@ def test_an_event_is_printed_as_a_line():
 
 
 def test_a_controller_without_behaviors_is_not_said_to_be_the_user():
-    sim = AtlasSimulation()
-    report = sim.atlas_sim_interface_state
-    report.current_behavior = Behavior.NONE
-    report.k_effort = [0] * sim.robot.num_joints
-    assert caption_of(report) == ("no behavior", "0 of 28 joints under user control")
+    record = AtlasSimulation().record
+    idle = replace(record.behavior, current=int(Behavior.NONE))
+    assert caption_of(replace(record, behavior=idle)) == (
+        "no behavior",
+        "0 of 28 joints under user control",
+    )

@@ -113,7 +113,7 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
 @pytest.fixture(scope="module")
 def logged(tmp_path_factory):
     """A robot whose log gets all that is accepted."""
-    file = tmp_path_factory.mktemp("hostile") / "run.npz"
+    file = tmp_path_factory.mktemp("hostile") / "run.mcap"
     with AtlasSimulation(log=file) as sim:
         sim.advance(0.01)  # Each test may run alone; a log has a sample.
         yield sim
@@ -125,7 +125,7 @@ def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
     tmp_path, caplog
 ):
     things = ["STAND", [1.0], {"behavior": 3}, 10**5000]
-    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.mcap") as sim:
         port = sim.diagram.GetInputPort("atlas_sim_interface_command")
         for number, thing in enumerate(things, 1):
             port.FixValue(sim.context, thing)
@@ -134,7 +134,7 @@ def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
         sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
         sim.advance(0.01)
         assert sim.current_behavior is Behavior.FREEZE
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert [entry.message.behavior for entry in log.commands] == ["FREEZE"]
     assert [e.kind for e in log.events] == [*["refusal"] * len(things), "behavior"]
     assert sum("must be" in record.getMessage() for record in caplog.records) == 1
@@ -161,7 +161,7 @@ def test_numbers_of_every_kind_are_numbers(logged):
 
 def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
     count = KEPT + 10
-    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.mcap") as sim:
         sim.advance(0.01)
         for number in range(count):
             behavior = ("FREEZE", "STAND")[number % 2]
@@ -173,7 +173,7 @@ def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
     assert events.count("refusal") == count
     assert sim.output("commands").refused == count
     assert events.count("behavior") == count
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert len(log.commands) == count
     assert all(command.time == pytest.approx(0.01) for command in log.commands)
     assert len(log.events) == len(sim.events)

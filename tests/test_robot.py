@@ -25,7 +25,7 @@ def robot(request, load_or_skip):
 
 @pytest.fixture(scope="module")
 def plant(robot):
-    return robot.make_plant()
+    return robot.plant
 
 
 def test_the_default_robot_comes_first():
@@ -214,7 +214,7 @@ def test_a_robot_is_loaded_from_a_path(spoil, monkeypatch, tmp_path):
         assert robot.model == str(path)
         assert robot.default_kp[0] == 21.0
         # Bodies are found in the plant by the robot's name, whatever the URDF's is.
-        assert robot.make_plant().HasModelInstanceNamed("mine")
+        assert robot.plant.HasModelInstanceNamed("mine")
     assert load_robot().model == DEFAULT_ROBOT
 
 
@@ -327,7 +327,7 @@ def test_message_order_is_the_descriptions(spoil):
     path.write_text("\n".join(lines))
     swapped = load_robot(path)
     assert swapped.joint_names[:2] == ("back_bky", "back_bkz")
-    plant = swapped.make_plant()
+    plant = swapped.plant
     starts = [
         plant.GetJointByName(name).position_start() for name in swapped.joint_names
     ]

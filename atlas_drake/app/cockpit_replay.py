@@ -11,6 +11,7 @@ from pydrake.math import RigidTransform
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.outputs import shown_of_log
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import quiet_logs
 from atlas_drake.cockpit.cockpit import Cockpit
@@ -37,7 +38,7 @@ def play_in_cockpit(log: Log, beside: Log | None, options: argparse.Namespace) -
     """
     quiet_logs()
     progress = Progress(sys.stdout, math.inf)
-    overlays = Overlays(options.show)
+    overlays = Overlays(shown_of_log(options.show, log, progress))
     cockpit = Cockpit(options.host, options.port, overlays)
     diagrams = [make_replay(log, cockpit.meshcat, overlays)]
     if beside is not None:

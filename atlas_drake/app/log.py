@@ -26,6 +26,7 @@ from atlas_drake.app.outputs import (
     keep_recording,
     open_view,
     realtime_rate,
+    shown_of_log,
     video_asked_for,
 )
 from atlas_drake.app.progress import Progress, StatusLine
@@ -34,7 +35,7 @@ from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.formats import (
+from atlas_drake.logs.header import (
     PLOT_EXTRA,
     MissingPackageError,
     missing_package,
@@ -138,7 +139,10 @@ def replay_log(options: argparse.Namespace) -> int:
     diagram = make_replay(
         log,
         meshcat,
-        Overlays(options.show, recorded=options.record is not None),
+        Overlays(
+            shown_of_log(options.show, log, progress),
+            recorded=options.record is not None,
+        ),
         video,
     )
     filmed: Any = None if video is None else diagram.GetSubsystemByName("video")

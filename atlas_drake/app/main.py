@@ -26,7 +26,6 @@ from atlas_drake.app.options import (
 from atlas_drake.app.parts import behaviors_told
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.errors import AtlasError, did_you_mean
-from atlas_drake.visualization.overlays import LOGGED
 
 _LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
@@ -231,7 +230,7 @@ def _parser(
         "whose plots are dashed",
     )
     add_address_options(view)
-    add_show_option(view, "none", LOGGED)
+    add_show_option(view, "none")
     add_record_option(replay.add_argument_group("what you keep"))
     replay.set_defaults(run="log.replay_log", reads=("log", "beside"))
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Collection
-from functools import partial
 from pathlib import Path
 
 from atlas_drake.app.parts import add_parts_option
@@ -80,9 +78,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--log",
         type=Path,
         metavar="FILE",
-        help="write every command, state, effort and feedback of every control tick: "
-        ".mcap for Foxglove and PlotJuggler (written during the run, so best for "
-        "long runs), .npz or .parquet for Python; see `plot` and `replay`",
+        help="write the record of every control tick: an .mcap file, for `plot`, "
+        "`replay`, Python, Foxglove and PlotJuggler",
     )
     add_record_option(keep)
 
@@ -144,27 +141,21 @@ def add_record_option(keep: argparse._ArgumentGroup) -> None:
     )
 
 
-def add_show_option(
-    view: argparse._ArgumentGroup, show: str, offered: Collection[str] = OVERLAYS
-) -> None:
-    """Adds --show with the overlays ``offered``; ``show`` is the default."""
-    missing = [name for name in OVERLAYS if name not in offered]
+def add_show_option(view: argparse._ArgumentGroup, show: str) -> None:
+    """Adds --show; ``show`` is the default."""
     view.add_argument(
         "--show",
-        type=partial(_overlays, offered=offered),
-        default=_overlays(show, offered),
+        type=_overlays,
+        default=_overlays(show),
         metavar="LIST",
         help="overlays of the controller's state and plan in 3D view and video, with "
-        "commas: "
-        + ", ".join(offered)
-        + f"; or all, or none (default: {show})"
-        + (f"; {', '.join(missing)}: not in a log" if missing else ""),
+        f"commas: {', '.join(OVERLAYS)}; or all, or none (default: {show})",
     )
 
 
-def _overlays(text: str, offered: Collection[str]) -> list[str]:
+def _overlays(text: str) -> list[str]:
     try:
-        return overlays_from(text, offered)
+        return overlays_from(text)
     except ScenarioError as error:
         # argparse adds the option's name.
         raise argparse.ArgumentTypeError(error.problem) from error

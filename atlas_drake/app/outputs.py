@@ -6,7 +6,7 @@ The same for a run and for the replay of its log. Serving the view is in ``viewe
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -15,7 +15,9 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake.app.progress import Progress
 from atlas_drake.errors import AtlasError, ScenarioError
+from atlas_drake.logs import Log
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.overlays import logged_overlays, why_not_logged
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 from atlas_drake.whole_file import whole_file, why_not_writable
 
@@ -220,3 +222,12 @@ def keep_recording(
     meshcat.PublishRecording()
     use = "; open it in a browser."
     return keep_text(options.record, meshcat.StaticHtml(), progress, use)
+
+
+def shown_of_log(names: Iterable[str], log: Log, progress: Progress) -> list[str]:
+    """Returns the overlays that a log can show, and tells the user about the others."""
+    logged = logged_overlays(log.scenario.log)
+    for name in names:
+        if name not in logged:
+            progress.say(f"Not shown: {why_not_logged(name)}")
+    return [name for name in names if name in logged]

@@ -32,7 +32,7 @@ from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.behaviors.footsteps import is_elsewhere
 from atlas_drake.errors import ScenarioError
-from atlas_drake.logs.formats import check_format
+from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
@@ -114,7 +114,7 @@ def run_scenario(
     check_outputs(options, ("json", "record", "video", "log"))
     video = video_asked_for(options)
     if options.log is not None:
-        check_format(options.log)
+        check_log_path(options.log)
     quiet_logs()
 
     parts = load_parts(options.parts)

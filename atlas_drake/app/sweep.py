@@ -33,7 +33,7 @@ from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import shown
-from atlas_drake.logs.formats import check_format
+from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
@@ -185,7 +185,7 @@ def _one_trial(
         )
     check_outputs(options, ("log", "video"))
     if options.log is not None:
-        check_format(options.log)
+        check_log_path(options.log)
     options.headless, options.record, options.video_size = not options.view, None, SIZE
     trial = make_trial(campaign, options.only, level_of(campaign, options.only))
     progress = Progress(sys.stdout, scenario_of(campaign, trial).duration)

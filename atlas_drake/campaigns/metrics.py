@@ -1,24 +1,26 @@
 """The shipped metrics.
 
-A metric is a function of a finished simulation. It returns figures by name: numbers,
-text, or None for a missing value. Its optional attribute ``extend`` is called with
-(builder, station, robot) before the diagram is built, to add systems that measure.
+A metric is a function of a finished simulation, or a class that is fed records: it is
+made with (robot), its ``update`` gets every record, and its ``result`` the finished
+simulation. Both return figures by name: numbers, text, or None for a missing value. The
+optional attribute ``extend`` is called with (builder, station, robot) before the
+diagram is built, to add systems that measure at every physics step.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from atlas_drake.logs.failure_modes import NONE, FailureWatch
+from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
-from atlas_drake.systems.departure_watch import DepartureWatch
-from atlas_drake.systems.departures import NONE
 from atlas_drake.systems.energy_meter import EnergyMeter
 
 Figures = dict[str, Any]
@@ -26,14 +28,20 @@ AT_LIMIT = 0.999
 """Share of its largest effort from which a motor counts as at its limit [-]."""
 METER_STEPS = 2
 """Physics steps between two samples of the motors' power."""
-WATCH_PERIOD = 0.018
-"""Time between two looks for departures; rounded to physics steps [s]."""
 WORK = "motor_work"
 """Output port of the diagram with the motors' work."""
-DEPARTURES = "departures"
-"""Output port of the diagram with what departed from a good run."""
-FIRST_CAUSE, FIRST_CAUSE_AT = "first_cause", "first_cause_at"
-"""Figures of what happened first, and of the joint or foot concerned."""
+FIRST_FAILURE, FIRST_FAILURE_AT = "first_failure", "first_failure_at"
+"""Figures of what failed first, and of the joint or foot concerned."""
+
+
+class RecordMetric(Protocol):
+    """A metric that is fed the records of a run."""
+
+    def update(self, record: TickRecord) -> None:
+        """Takes the next record."""
+
+    def result(self, sim: AtlasSimulation) -> Figures:
+        """Returns the figures of the finished run."""
 
 
 def success(sim: AtlasSimulation) -> Figures:
@@ -61,13 +69,13 @@ def landing(sim: AtlasSimulation) -> Figures:
 
 def tilt(sim: AtlasSimulation) -> Figures:
     """Largest tilt and lowest height of the pelvis."""
-    extremes = sim.output("extremes")
-    return {"tilt_max_rad": extremes[-1], "pelvis_min_m": extremes[-2]}
+    peaks = sim.output("peaks")
+    return {"tilt_max_rad": peaks[-1], "pelvis_min_m": peaks[-2]}
 
 
 def effort(sim: AtlasSimulation) -> Figures:
     """Largest efforts of the motors, as shares of their limits."""
-    shares = sim.output("extremes")[:-2]
+    shares = sim.output("peaks")[:-2]
     return {
         "effort_max_share": float(np.max(shares)),
         "joints_at_limit": int(np.sum(shares >= AT_LIMIT)),
@@ -127,50 +135,36 @@ def ticks(sim: AtlasSimulation) -> Figures:
     }
 
 
-def first_cause(sim: AtlasSimulation) -> Figures:
-    """What departed first from a good run, before a fall if there was one.
+class FirstFailure:
+    """What failed first in a run, before a fall if there was one.
 
-    Departures that follow each other within a second belong together; the figures are
-    those of the first one of the last group.
+    Failures that follow each other within half a second belong together; the figures
+    are those of the first one of the last group.
     """
-    first = sim.output(DEPARTURES).first
-    return {
-        FIRST_CAUSE: NONE if first is None else first.kind,
-        FIRST_CAUSE_AT: None if first is None else first.place or None,
-        "first_cause_time_s": None if first is None else first.time,
-    }
+
+    def __init__(self, robot: Robot) -> None:
+        """Watches a run from its start."""
+        self._watch = FailureWatch(robot)
+
+    def update(self, record: TickRecord) -> None:
+        """Takes the next record."""
+        self._watch.update(record)
+
+    def result(self, sim: AtlasSimulation) -> Figures:
+        """Returns kind, place and time of the failure."""
+        first = self._watch.first
+        return {
+            FIRST_FAILURE: NONE if first is None else first.kind,
+            FIRST_FAILURE_AT: None if first is None else first.place or None,
+            "first_failure_time_s": None if first is None else first.time,
+        }
 
 
-def add_departure_watch(
-    builder: DiagramBuilder, station: Diagram, robot: Robot
-) -> None:
-    """Adds the watch of departures, and exports its output."""
-    plant: Any = station.GetSubsystemByName("plant")
-    step = plant.time_step()
-    period = max(round(WATCH_PERIOD / step), 1) * step
-    watch = builder.AddNamedSystem(
-        "departure_watch", DepartureWatch(robot, plant, period, step)
-    )
-    for index in range(watch.num_input_ports()):
-        port = watch.get_input_port(index)
-        builder.Connect(station.GetOutputPort(port.get_name()), port)
-    builder.ExportOutput(watch.GetOutputPort(DEPARTURES), DEPARTURES)
-
-
-first_cause.extend = add_departure_watch  # type: ignore[attr-defined]
-
-
-METRICS: dict[str, Callable[[AtlasSimulation], Figures]] = {
-    function.__name__: function
-    for function in (
-        success,
-        landing,
-        tilt,
-        effort,
-        energy,
-        drift,
-        ticks,
-        first_cause,
-    )
+METRICS: dict[str, Callable[..., Any]] = {
+    **{
+        function.__name__: function
+        for function in (success, landing, tilt, effort, energy, drift, ticks)
+    },
+    FIRST_FAILURE: FirstFailure,
 }
 """Metrics by name."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.metrics import FIRST_CAUSE, FIRST_CAUSE_AT
+from atlas_drake.campaigns.metrics import FIRST_FAILURE, FIRST_FAILURE_AT
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Record, Records, Search
 from atlas_drake.numeric import is_number
@@ -18,7 +18,7 @@ from atlas_drake.numeric import is_number
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""
 SHOWN_CASES = 12
-"""Largest number of cases of which causes of failures are shown one by one."""
+"""Largest number of cases of which first failures are shown one by one."""
 LEVEL = 0.95
 """Confidence level of every interval [-]."""
 
@@ -31,7 +31,7 @@ def report(campaign: Campaign, records: Records) -> str:
         parts.append(_thresholds(campaign, records))
     parts.append(_success_table(campaign, rows))
     texts = (
-        _causes_table(campaign, rows),
+        _failures_table(campaign, rows),
         _figures_table(rows),
         _missed(campaign, rows),
         _failures(rows),
@@ -128,25 +128,25 @@ def _order(value: Any) -> tuple[bool, Any]:
     return (False, value) if is_number(value) else (True, str(value))
 
 
-def _causes_table(campaign: Campaign, rows: list[Record]) -> str:
+def _failures_table(campaign: Campaign, rows: list[Record]) -> str:
     """Counts what happened first in the trials that failed, by case."""
     table, cases = [], case_list(campaign)
     for case in cases if len(cases) <= SHOWN_CASES else [{}]:
         mine = [row for row in rows if case.items() <= row["values"].items()]
         counts = Counter(
-            " ".join(filter(None, (cause, row["figures"].get(FIRST_CAUSE_AT))))
+            " ".join(filter(None, (kind, row["figures"].get(FIRST_FAILURE_AT))))
             for row in mine
-            if not row["success"] and (cause := row["figures"].get(FIRST_CAUSE))
+            if not row["success"] and (kind := row["figures"].get(FIRST_FAILURE))
         )
         if counts:
             name = ", ".join(
                 f"{path} = {_short(value)}" for path, value in case.items()
             )
             table += [
-                [name or "all", cause, f"{count} of {len(mine)}"]
-                for cause, count in counts.most_common()
+                [name or "all", kind, f"{count} of {len(mine)}"]
+                for kind, count in counts.most_common()
             ]
-    head = ["trials", "first cause of a failure", "failures"]
+    head = ["trials", "first failure", "failures"]
     return markdown(head, table) if table else ""
 
 

@@ -12,7 +12,7 @@ import logging
 import math
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from atlas_drake.behaviors.registration import registered
@@ -25,11 +25,15 @@ from atlas_drake.campaigns.sources import Sources
 from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
 from atlas_drake.numeric import as_float, is_number, plain_number
+from atlas_drake.records import TickRecord
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.systems.record_reader import add_listener
 
+LISTENER = "metrics"
+"""Name of the system that feeds records to the metrics."""
 KEPT = 4
 """Number of simulations that a process keeps, such as one for each robot."""
 
@@ -56,6 +60,7 @@ class TrialRunner:
             for index, name in enumerate(campaign.metrics)
         ]
         self._kept: list[tuple[Scenario, AtlasSimulation]] = []
+        self._updates: list[Callable[[TickRecord], None]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """Leaves out functions and simulations; the other process makes its own."""
@@ -97,9 +102,20 @@ class TrialRunner:
     def judged(self, sim: AtlasSimulation, trial: Trial) -> dict[str, Any]:
         """Runs a trial in a simulation at its start; returns success and figures."""
         parameters = parameters_of(self._campaign, trial)
+        # Records are heard from the start of the run, by metrics of this trial alone.
+        fed = {
+            name: metric(sim.robot)
+            for name, metric in zip(self._campaign.metrics, self._metrics, strict=True)
+            if isinstance(metric, type)
+        }
+        self._updates[:] = [metric.update for metric in fed.values()]
         figures = _plain(self._trial(sim, parameters), self._campaign.trial)
+        if fed:
+            listener: Any = sim.diagram.GetSubsystemByName(LISTENER)
+            listener.flush(listener.GetMyContextFromRoot(sim.context))
         for name, metric in zip(self._campaign.metrics, self._metrics, strict=True):
-            more = _plain(metric(sim), name)
+            result = fed[name].result if name in fed else metric
+            more = _plain(result(sim), name)
             for key in figures.keys() & more.keys():
                 raise ValueError(f"{name}: there is a figure {key} already")
             figures |= more
@@ -142,10 +158,17 @@ class TrialRunner:
             for metric in self._metrics:
                 if hasattr(metric, "extend"):
                     metric.extend(builder, station, robot)
+            if any(isinstance(metric, type) for metric in self._metrics):
+                add_listener(builder, station, LISTENER, self._update)
             if extend is not None:
                 extend(builder, station)
 
         return AtlasSimulation(scenario, extend=extend_all, **given)
+
+    def _update(self, record: TickRecord) -> None:
+        """Feeds a record to the metrics of the present trial."""
+        for update in self._updates:
+            update(record)
 
 
 def failed(why: str) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from atlas_drake.cockpit.pelvis_controls import COORDINATES
-from atlas_drake.cockpit.plot_controls import live_units
 from atlas_drake.cockpit.state import (
     BehaviorCard,
     JointCard,
@@ -22,6 +21,7 @@ from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.records.flat import flat_units
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.overlays import OVERLAYS
 
@@ -47,7 +47,7 @@ def card_of(sim: AtlasSimulation, meshcat_port: int) -> RunCard:
         overlays=dict(OVERLAYS),
         sole=(sole.length, sole.width),
         meshcat_port=meshcat_port,
-        columns=live_units(robot),
+        columns=flat_units(sim.schema, sim.record),
     )
 
 
@@ -56,7 +56,7 @@ def joint_cards(robot: Robot) -> tuple[JointCard, ...]:
 
     The figure is the robot in its stand-prep pose.
     """
-    plant = robot.make_plant()
+    plant = robot.plant
     context = plant.CreateDefaultContext()
     own = robot.instance(plant)
     joints = [plant.GetJointByName(name, own) for name in robot.joint_names]

@@ -11,11 +11,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram
 
 from atlas_drake.cockpit.clock_controls import FASTEST
-from atlas_drake.cockpit.log_state import REFUSAL, state_of_log, user_share
+from atlas_drake.cockpit.log_state import REFUSAL, log_units, state_of_log, user_share
 from atlas_drake.cockpit.operator import CONTROLS, carry_out
 from atlas_drake.cockpit.orders import Order
 from atlas_drake.cockpit.page.history import SPAN
-from atlas_drake.cockpit.plot_controls import Sample, check_columns, column_units
+from atlas_drake.cockpit.plot_controls import Sample, check_columns
 from atlas_drake.cockpit.recording_controls import RecordingControls
 from atlas_drake.cockpit.state import BESIDE, RunState, events_after
 from atlas_drake.cockpit.view_controls import ViewControls
@@ -67,7 +67,7 @@ class LogPlayback:
         self._begin, self._end = float(log.time[0]), float(log.time[-1])
         self._view = ViewControls(overlays)
         self._recording = RecordingControls(meshcat)
-        self._units = column_units(log.header.layout)
+        self._units = log_units(log)
         self._chosen: tuple[str, ...] = ()
         self.time, self.paused, self._pace = self._begin, False, 1.0
         self._shown = -np.inf
@@ -151,7 +151,7 @@ class LogPlayback:
     @property
     def row(self) -> int:
         """Number of the row that is shown: the latest that is not in the future."""
-        return _row_at(self._log, self.time)
+        return self._log.row_at(self.time)
 
     def advance(self, passed: float) -> None:
         """Plays on for some time on the wall [s], and draws."""
@@ -223,11 +223,6 @@ FASTEST_PLAY = 10.0
 """Multiple of real time at which a log is played as fast as can be."""
 
 
-def _row_at(log: Log, time: float) -> int:
-    """Returns the number of the latest row until a time, or of the first."""
-    return max(int(np.searchsorted(log.time, time + 1e-9, side="right")) - 1, 0)
-
-
 def _rows_between(log: Log, begin: float, end: float) -> np.ndarray:
     """Returns rows after ``begin`` until ``end``, at most ``PAST_POINTS``."""
     first, last = np.searchsorted(log.time, [begin + 1e-9, end + 1e-9], side="right")
@@ -236,11 +231,10 @@ def _rows_between(log: Log, begin: float, end: float) -> np.ndarray:
 
 
 def _column(log: Log, name: str, rows: np.ndarray) -> np.ndarray:
-    """Returns a column at some rows; NaN if a log of another robot has none."""
-    if name in log.arrays:
-        return log[name][rows]
-    channel, _, label = name.rpartition(".")
+    """Returns numbers at some rows; NaN if a log of another robot has none."""
+    column, _, label = name.rpartition(".")
     try:
-        return log.column(channel, label)[rows]
+        found = log.column(column, label) if column in log.arrays else log[name]
     except KeyError:
         return np.full(len(rows), np.nan)
+    return found[rows]

@@ -1,4 +1,4 @@
-"""Reads the state of a run for the page, from the simulation's public ports."""
+"""Reads what the page shows from records, and from the operator of a run."""
 
 from __future__ import annotations
 
@@ -14,11 +14,15 @@ from atlas_drake.cockpit.operator import Operator
 from atlas_drake.cockpit.pelvis_controls import COORDINATES
 from atlas_drake.cockpit.state import Point, RunState, events_after
 from atlas_drake.cockpit.walk_controls import GAIT, marks_of
-from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
-from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.control.wrenches import center_of_pressure
-from atlas_drake.messages import NO_STEP, AtlasSimInterfaceState, Behavior
-from atlas_drake.planning.footholds import foothold
+from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasBehaviorWalkFeedback,
+    BehaviorStatus,
+)
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.records import TickRecord
 from atlas_drake.rotations import yaw_of
 
 if TYPE_CHECKING:
@@ -36,8 +40,6 @@ class Observer:
     def __init__(self, sim: AtlasSimulation, operator: Operator) -> None:
         """Reads a simulation, and what its operator intends."""
         self._sim, self._operator = sim, operator
-        self._model = WholeBodyModel(sim.robot)
-        self._scratch = self._model.create_context()
         self._clock: deque[tuple[float, float]] = deque()
         self._run = 0
         self._last_time = 0.0
@@ -45,52 +47,24 @@ class Observer:
     def read(self, events_seen: int) -> RunState:
         """Reads the present state, with the events after the first ``events_seen``."""
         sim, operator = self._sim, self._operator
-        report, status = sim.atlas_sim_interface_state, sim.output("controller_status")
-        joints, state = sim.output("commands").joints, sim.output("state")
-        terms = self._model.evaluate(self._scratch, state)
-        feet = [foothold(pose) for pose in report.foot_pos_est]
-        ground = min(foot.p_WF[2] for foot in terms.feet)
-        wrenches = sim.output("foot_wrenches")
-        cop = center_of_pressure([foot.p_WF for foot in terms.feet], wrenches)
-        omega = pendulum_frequency(float(terms.com[2] - ground))
         if sim.time < self._last_time or len(sim.events) < events_seen:
             self._run += 1
             events_seen = 0
             self._clock.clear()
         self._last_time = sim.time
         new = events_after(sim.events, events_seen)
-        support = status.plan.support
-        direction = operator.walk.direction
-        clamped = report.manipulate_feedback.clamped
-        x, y, z = map(float, terms.p_WP)
-        return RunState(
+        return replace(
+            state_of(sim.record, sim.behaviors),
             time=sim.time,
             rate=self._rate(),
             pace=sim.realtime_rate,
             paused=operator.clock.paused,
             tick_ms=_median_ms(sim.tick_seconds),
-            behavior=Behavior(report.current_behavior).name,
-            desired=Behavior(report.desired_behavior).name,
             fallen=sim.has_fallen,
             refusals=operator.modes.refusals(),
-            k_effort=tuple(joints.k_effort.astype(int).tolist()),
-            position=tuple(terms.q.tolist()),
-            set_point=tuple(joints.position.tolist()),
-            effort=tuple(sim.output("effort").tolist()),
-            gains={name: tuple(getattr(joints, name).tolist()) for name in GAINS},
             poses=operator.joints.poses,
-            direction=direction,
+            direction=operator.walk.direction,
             gait={name: getattr(operator.walk.gait, name) for name in GAIT},
-            pelvis={name: getattr(clamped, name) for name in COORDINATES},
-            robot=(x, y, z, float(yaw_of(terms.R_WP))),
-            ground=float(ground),
-            com=place_of(terms.com),
-            dcm=place_of(dcm(terms, omega)),
-            cop=None if cop is None else place_of(cop),
-            support=() if support is None else tuple(map(place_of, support)),
-            feet=tuple((foot.x, foot.y, foot.yaw) for foot in feet),
-            loads=(float(wrenches[5]), float(wrenches[11])),
-            steps=coming_steps(report),
             plan=marks_of(operator.walk.plan),
             overlays=operator.view.shown,
             events=new,
@@ -110,19 +84,73 @@ class Observer:
         return (self._sim.time - self._clock[0][1]) / passed if passed > 0.0 else 0.0
 
 
-def coming_steps(
-    report: AtlasSimInterfaceState,
+def state_of(record: TickRecord, catalog: BehaviorCatalog) -> RunState:
+    """Reads from a record what the page shows; nobody commands, and time stands still.
+
+    Args:
+        record: Of a run or of a log.
+        catalog: The behaviors of the run.
+    """
+    joints, balance, feet = record.joints, record.balance, record.feet
+    flags = BehaviorStatus(record.behavior.status_flags)
+    clamped = record.manipulate.clamped
+    poses = zip(feet.positions, feet.orientations, strict=True)
+    tick_time = record.controller.tick_time
+    x, y, z = map(float, record.pelvis.position)
+    return RunState(
+        time=record.time,
+        rate=0.0,
+        pace=1.0,
+        paused=True,
+        tick_ms=1e3 * (tick_time or 0.0),
+        behavior=catalog.find(record.behavior.current).name,
+        desired=catalog.find(record.behavior.desired).name,
+        fallen=bool(flags & BehaviorStatus.ERROR_FALLING),
+        refusals={},
+        k_effort=tuple(joints.k_effort.astype(int).tolist()),
+        position=tuple(joints.position.tolist()),
+        set_point=tuple(joints.position_setpoint.tolist()),
+        effort=tuple(joints.effort.tolist()),
+        gains={name: tuple(getattr(record.gains, name).tolist()) for name in GAINS},
+        poses=(),
+        direction=None,
+        gait={},
+        pelvis={name: getattr(clamped, name) for name in COORDINATES},
+        robot=(x, y, z, _heading(record.pelvis.orientation)),
+        ground=min(float(p_WF[2]) for p_WF in feet.positions),
+        com=place_of(balance.com),
+        dcm=place_of(balance.dcm),
+        cop=None if balance.cop is None else place_of(balance.cop),
+        support=()
+        if balance.support is None
+        else tuple(map(place_of, balance.support)),
+        feet=tuple(
+            (float(p_WF[0]), float(p_WF[1]), _heading(q_WF)) for p_WF, q_WF in poses
+        ),
+        loads=feet.loads,
+        steps=_coming_steps(record.walk),
+        plan=(),
+        overlays=frozenset(),
+    )
+
+
+def _heading(wxyz: np.ndarray) -> float:
+    """Returns the heading of a pose with this quaternion [rad]."""
+    return float(yaw_of(rotation_matrix(wxyz / np.linalg.norm(wxyz))))
+
+
+def _coming_steps(
+    walk: AtlasBehaviorWalkFeedback,
 ) -> tuple[tuple[int, float, float, float], ...]:
     """Returns the steps of a walk to come: foot, x, y [m] and yaw [rad] of each."""
-    walk = report.walk_feedback
     if not walk.is_active:
         return ()
+    first = max(walk.current_step_index, 1)
     return marks_of(
         [
             step
             for step in walk.step_queue_saturated
-            if step.step_index != NO_STEP
-            and step.step_index >= max(walk.current_step_index, 1)
+            if step.step_index != NO_STEP and step.step_index >= first
         ]
     )
 

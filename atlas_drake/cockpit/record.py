@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.logs.notes import to_plain
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
+from atlas_drake.records.plain import to_plain
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.timed_message import TimedMessage

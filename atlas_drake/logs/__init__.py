@@ -1,9 +1,10 @@
-"""Logs of runs: recorded at the control rate, read again, drawn and replayed.
+"""Logs of runs: the records of all control ticks, written, read and drawn.
 
-A log holds the values of ports; a log never changes the simulation.
+A log never changes the simulation.
 """
 
-from atlas_drake.logs.log import Log, read_log
-from atlas_drake.logs.notes import LogError
+from atlas_drake.logs.header import LogError
+from atlas_drake.logs.log import Log
+from atlas_drake.logs.mcap_reader import read_log
 
 __all__ = ["Log", "LogError", "read_log"]

@@ -16,12 +16,12 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import JOINT_COLORS, Band, Item, Line, Outline, Panel
 from atlas_drake.palette import COM, COP, DCM, FEET, hex_color
 from atlas_drake.rotations import rotation_z
 
+SIDES = ("left", "right")
 CONTACT_SHARE = 0.04
 """Least share of the robot's weight on a sole that counts as contact [-]."""
 SHORTEST_STANCE = 0.06
@@ -163,8 +163,8 @@ def balance_over_time(log: Log, feet: Feet, axis: int) -> Panel:
 def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, str, str, bool]]:
     """What there is of the tracks; a controller need not plan every one of them."""
     for name, color, label, dashed in _TRACKS:
-        track = log.arrays.get(f"balance.{name}")
-        if track is not None and (not dashed or np.isfinite(track).any()):
+        track = log[f"balance.{name}"]
+        if not dashed or np.isfinite(track).any():
             yield name, track, color, label, dashed
 
 

@@ -20,7 +20,6 @@ from atlas_drake.logs.balance_figures import (
     runs,
     view_from_above,
 )
-from atlas_drake.logs.channels import NO_QP
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import (
     JOINT_COLORS,
@@ -33,6 +32,7 @@ from atlas_drake.logs.panels import (
     Span,
 )
 from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.systems.tick_recorder import NO_QP
 
 SHARE_COLORS = ("#eceff1", "#ffe0b2", "#ffb74d", "#f57c00")
 LOAD_COLORS = ("#f7fbff", "#9ecae1", "#4292c6", "#fdae61", "#d7191c")
@@ -166,14 +166,9 @@ def _modes(log: Log) -> Panel:
 
 
 def _solved(log: Log) -> Panel:
-    """Draw where there was a QP, and whether it had a solution.
-
-    Earlier versions logged only the ticks without a solution.
-    """
-    unsolved = np.diff(log["controller.unsolved"], prepend=0) > 0
-    solved = log.arrays.get("controller.solved", np.ones(len(log)))
-    unsolved |= solved == 0
-    unknown = (solved == NO_QP) & ~unsolved
+    """Draw where there was a QP, and whether it had a solution."""
+    solved = log["controller.solved"]
+    unsolved, unknown = solved == 0, solved == NO_QP
     spans = (
         *_spans(log, ~unsolved & ~unknown, "#a5d6a7", "solved"),
         *_spans(log, unknown, "#cfd8dc", "no QP"),

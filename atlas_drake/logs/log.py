@@ -1,45 +1,40 @@
-"""A log in memory, independent of the file format.
+"""A log in memory: columns of numbers, events, and the records of the run.
 
-``figures`` draws a log, ``diagrams.replay`` replays it.
+``mcap_reader`` reads the file; ``figures`` draws a log, ``diagrams.replay`` replays it.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydrake.common.yaml import yaml_load
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
-from atlas_drake.logs.formats import read_file
-from atlas_drake.logs.notes import (
-    COMMANDS,
-    EVENT,
-    Header,
-    LogError,
-    Note,
-    event_from_note,
-)
-from atlas_drake.messages import Behavior, Message
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.plain import message_from
+from atlas_drake.logs.header import Header, LogError
+from atlas_drake.logs.topics import STRUCTURED
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, Message
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.event import FOOTSTEP, MESSAGE, Event, first_falls
+from atlas_drake.records import Schema, TickRecord
+from atlas_drake.records.column import Names
+from atlas_drake.records.flat import numbers_in
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
-
-TINY = 1e-6
-"""Norm of a quaternion below which it gives no orientation."""
-NUMBERS = "biuf"
-"""Numpy's kinds of data types that a channel can have."""
+from atlas_drake.systems.tick_recorder import landed_among
 
 
 @dataclass(frozen=True)
 class LoggedCommand:
-    """A command as it was sent, also one that was refused.
+    """A command that was accepted.
 
     Attributes:
-        time: Time of the control tick that read the command first [s].
+        time: Time of receipt [s].
         message: An ``AtlasCommand`` or ``AtlasSimInterfaceCommand``.
     """
 
@@ -48,59 +43,93 @@ class LoggedCommand:
 
 
 @dataclass(frozen=True)
+class Part:
+    """A structured part of the records over time.
+
+    Attributes:
+        rows: Numbers of the records in which it changed, in order.
+        values: Its plain values from these records on.
+    """
+
+    rows: list[int]
+    values: list[Any]
+
+    def place(self, row: int) -> int:
+        """Returns the place of the value at a record; -1 before the first."""
+        return bisect_right(self.rows, row) - 1
+
+
+@dataclass(frozen=True)
+class LoggedEvent:
+    """An event, the record that it is in, and whether a record holds it at all."""
+
+    row: int
+    event: Event
+    of_record: bool
+
+
+@dataclass(frozen=True)
 class Log:
-    """The record of a run.
+    """The records of a run.
 
     Example:
         >>> log = read_log("run.mcap")
         >>> knee = log.robot.joint_index("l_leg_kny")
         >>> log.time, log["joints.effort"][:, knee]
+        >>> [record.balance.dcm for record in log.records()]
 
     Attributes:
         path: File of the log.
         header: Facts about the log as a whole.
-        arrays: Channels by name, shape (rows,) or (rows, elements); names, units and
-            labels are in ``header.layout.channels``.
-        notes: Commands and events in the order of writing.
+        schema: Schema of the records.
+        arrays: Columns by name, shape (rows,) or (rows, elements); names, units and
+            labels are in ``schema.columns``.
+        parts: Structured parts of the records, by name.
+        logged: Events and messages in the order of writing.
     """
 
     path: Path
     header: Header
+    schema: Schema
     arrays: dict[str, np.ndarray]
-    notes: list[Note]
+    parts: dict[str, Part]
+    logged: list[LoggedEvent]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A channel.
+        """A column.
 
         Raises:
-            KeyError: If the log has no such channel.
+            KeyError: If the log has no such column.
         """
-        if name not in self.arrays:
-            raise KeyError(
-                f"the log has no channel {name!r}.{did_you_mean(name, self.arrays)} "
-                f"It has {', '.join(self.arrays)}."
-            )
-        return self.arrays[name]
+        if name in self.arrays:
+            return self.arrays[name]
+        if name in self.part_columns:
+            return self.part_columns[name]
+        known = [*self.arrays, *self.part_columns]
+        raise KeyError(
+            f"the log has no column {name!r}.{did_you_mean(name, known)} "
+            f"It has {', '.join(known)}."
+        )
 
     def column(self, name: str, label: str) -> np.ndarray:
-        """One element of a channel, by its label.
+        """One element of a column, by its label.
 
         Example:
             >>> log.column("world.v", "ball_ball_vx")
 
         Args:
-            name: Name of the channel.
+            name: Name of the column.
             label: Label of the element, such as ``x``, a joint or a coordinate.
 
         Returns:
             Shape (rows,).
 
         Raises:
-            KeyError: If the log has no such channel, or the channel no such element.
+            KeyError: If the log has no such column, or the column no such element.
         """
         array = self[name]
-        channels = self.header.layout.channels
-        labels = next(entry.labels for entry in channels if entry.name == name)
+        known = self.schema.columns
+        labels = known[name].elements if name in known else ()
         if label not in labels:
             raise KeyError(
                 f"{name} has no element {label!r}.{did_you_mean(label, labels)} It has "
@@ -109,39 +138,155 @@ class Log:
         return array[:, labels.index(label)]
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Number of records."""
         return len(self.time)
 
     @property
     def time(self) -> np.ndarray:
-        """Times of the rows [s], shape (rows,); never decreasing."""
-        return self["time"]
+        """Times of the records [s], shape (rows,); never decreasing."""
+        return self.arrays["time"]
+
+    @cached_property
+    def part_columns(self) -> dict[str, np.ndarray]:
+        """Numbers in the structured parts, by path such as ``walk.t_step_rem``."""
+        columns: dict[str, np.ndarray] = {}
+        for part_name, part in self.parts.items():
+            is_message = STRUCTURED[part_name].is_message
+            for row, plain in zip(part.rows, part.values, strict=True):
+                value = plain if is_message else plain[part_name]
+                for path, number in numbers_in(value, part_name):
+                    if path not in columns:
+                        columns[path] = np.full(len(self), np.nan)
+                    columns[path][row:] = number
+        return columns
+
+    # ---- records -------------------------------------------------------------
+
+    def records(self) -> Iterator[TickRecord]:
+        """The records of the run, in order, as ``sim.record`` had them."""
+        for row in range(len(self)):
+            yield self.record(row)
+
+    def record(self, row: int) -> TickRecord:
+        """The record of a row.
+
+        Args:
+            row: Number of the record, from 0.
+        """
+        numbers = {name: array[row] for name, array in self.arrays.items()}
+        groups = {
+            group: self.schema.group_at(group, numbers) for group in self.schema.groups
+        }
+        parts = {
+            name: self._part(name, row) for name in STRUCTURED if name in self.parts
+        }
+        events = tuple(one.event for one in self._by_row.get(row, ()) if one.of_record)
+        return TickRecord(
+            time=float(self.time[row]),
+            request=self._request(int(numbers["behavior.request_number"])),
+            events=events,
+            landed=self._landed_until(row),
+            **groups,  # type: ignore[arg-type]
+            **parts,
+        )
+
+    def paths_at(self, row: int) -> PlannedPaths | None:
+        """The planned paths that were logged last, if any.
+
+        Args:
+            row: Number of the record until which they count.
+        """
+        part = self.parts["paths"]
+        for place in range(part.place(row), -1, -1):
+            paths: PlannedPaths | None = self._read_part("paths", place)
+            if paths is not None:
+                return paths
+        return None
+
+    def row_at(self, time: float) -> int:
+        """Number of the latest record that is not after a time, or of the first.
+
+        Args:
+            time: Simulated time [s].
+        """
+        # A small tolerance, because times are sums of rounded periods.
+        return max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
+
+    def _part(self, name: str, row: int) -> Any:
+        place = self.parts[name].place(row)
+        return STRUCTURED[name].blank if place < 0 else self._read_part(name, place)
+
+    def _read_part(self, name: str, place: int) -> Any:
+        """Makes a structured value once for all records that have it."""
+        key = name, place
+        if key not in self._made:
+            plain = self.parts[name].values[place]
+            self._made[key] = STRUCTURED[name].unwrapped(name, plain)
+        return self._made[key]
+
+    @cached_property
+    def _made(self) -> dict[tuple[str, int], Any]:
+        return {}
+
+    @cached_property
+    def _by_row(self) -> dict[int, list[LoggedEvent]]:
+        found: dict[int, list[LoggedEvent]] = {}
+        for one in self.logged:
+            found.setdefault(one.row, []).append(one)
+        return found
+
+    @cached_property
+    def _landings(self) -> list[tuple[int, Event]]:
+        return [
+            (one.row, one.event)
+            for one in self.logged
+            if one.of_record and one.event.kind == FOOTSTEP
+        ]
+
+    def _landed_until(self, row: int) -> tuple[Event, ...]:
+        return landed_among(event for at, event in self._landings if at <= row)
+
+    def _request(self, number: int) -> AtlasSimInterfaceCommand | None:
+        return self._requests.get(number)
+
+    @cached_property
+    def _requests(self) -> dict[int, AtlasSimInterfaceCommand]:
+        return {
+            one.event.data["number"]: one.event.data["message"]
+            for one in self.logged
+            if one.event.kind == MESSAGE
+            and isinstance(one.event.data["message"], AtlasSimInterfaceCommand)
+        }
+
+    # ---- events --------------------------------------------------------------
 
     @cached_property
     def events(self) -> list[Event]:
-        """Events in order of time."""
-        events = [event_from_note(note) for note in self.notes if note.kind == EVENT]
-        return sorted(events, key=lambda event: event.time)
+        """Events in order of time, as ``sim.events`` had them."""
+        events = [one.event for one in self.logged if one.event.kind != MESSAGE]
+        return first_falls(sorted(events, key=lambda event: event.time))
 
     @cached_property
     def commands(self) -> list[LoggedCommand]:
-        """The commands as they were sent, in order."""
+        """The commands as they were received, in order."""
         return [
-            LoggedCommand(note.time, message_from(COMMANDS[note.kind], note.data))
-            for note in self.notes
-            if note.kind in COMMANDS
+            LoggedCommand(one.event.time, one.event.data["message"])
+            for one in self.logged
+            if one.event.kind == MESSAGE
         ]
 
     def behavior(self, number: int) -> Behavior:
-        """Returns the behavior of a number in the channel ``behavior.current``.
+        """Returns the behavior of a number in the column ``behavior.current``.
 
         Args:
-            number: Number in that channel.
+            number: Number in that column.
 
         Raises:
             ValueError: If the run had no such behavior.
         """
         return self.header.catalog.find(number)
+
+    # ---- what was simulated --------------------------------------------------
 
     @cached_property
     def robot(self) -> Robot:
@@ -157,13 +302,11 @@ class Log:
             raise LogError(
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error
-        for channel in self.header.layout.channels:
-            of_joints = channel.name == "joints.k_effort"
-            if of_joints and channel.labels != robot.joint_names:
-                raise LogError(
-                    f"{self.path}: its robot, {self.header.model}, has other joints "
-                    "than when the log was recorded; restore its file of that time"
-                )
+        if self.schema.names[Names.JOINTS] != robot.joint_names:
+            raise LogError(
+                f"{self.path}: its robot, {self.header.model}, has other joints than "
+                "when the log was recorded; restore its file of that time"
+            )
         return robot
 
     @cached_property
@@ -178,51 +321,3 @@ class Log:
         except Exception as error:
             # The loader raises many kinds of exception.
             raise LogError(f"{self.path}: its scenario is unknown: {error}") from error
-
-
-def read_log(path: str | Path) -> Log:
-    """Reads a log in the format of its file name ending.
-
-    An incomplete .mcap file is read up to the last complete message.
-
-    Args:
-        path: Path of the file: .mcap, .npz or .parquet.
-
-    Raises:
-        LogError: If the file cannot be read, is not a log, is damaged, or has no rows.
-    """
-    path = Path(path)
-    log = Log(path, *read_file(path))
-    try:
-        _check_sound(log)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise LogError(f"{path}: it is damaged: {error}") from error
-    if not len(log):
-        raise LogError(f"{path}: it has no rows; the run ended before its first tick")
-    return log
-
-
-def _check_sound(log: Log) -> None:
-    """Checks that a log can have been written by this program.
-
-    Raises:
-        ValueError: Or another error of values, if the log is inconsistent.
-    """
-    rows = len(log)
-    for channel in log.header.layout.channels:
-        array = log[channel.name]
-        shape = (rows, channel.size) if channel.labels else (rows,)
-        if array.shape != shape or array.dtype.kind not in NUMBERS:
-            raise ValueError(f"{channel.name} is {array.dtype} of shape {array.shape}")
-    if not (np.isfinite(log.time).all() and (np.diff(log.time) >= 0.0).all()):
-        raise ValueError("time is not finite or decreases")
-    if not 0.0 < log.header.control_period < np.inf:
-        raise ValueError(f"control_period is {log.header.control_period}")
-    q = log.arrays.get("state.q", np.ones((0, 4)))
-    # The first four positions are the quaternion of the pelvis.
-    if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
-        raise ValueError("state.q is not a pose")
-    for behavior in np.unique(log.arrays.get("behavior.current", [])):
-        log.behavior(int(behavior))
-    # Both are made from the notes on first access, which checks the notes.
-    _ = log.events, log.commands

@@ -25,6 +25,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.door import Command, check_order
+from atlas_drake.messages.event import MESSAGE, REFUSAL, Event
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.messages.recent import append_recent, items_since
 from atlas_drake.robot import Robot
@@ -59,19 +60,6 @@ class Seen(Frozen):
 
 
 @dataclass(frozen=True)
-class Received(Frozen):
-    """A message as received, accepted or refused.
-
-    Attributes:
-        time: Time of receipt [s].
-        message: The message as it left the door; None if it was refused.
-    """
-
-    time: float
-    message: Command | None
-
-
-@dataclass(frozen=True)
 class BehaviorRequest(Frozen):
     """The behavior command in force.
 
@@ -94,34 +82,6 @@ class BehaviorRequest(Frozen):
 
 
 @dataclass(frozen=True)
-class Refused(Frozen):
-    """A message that was not applied.
-
-    Attributes:
-        time: Time of receipt [s].
-        refusal: Reason.
-    """
-
-    time: float
-    refusal: Refusal
-
-    @property
-    def place(self) -> tuple[type, str]:
-        """Kind of message and field at fault."""
-        return self.refusal.kind, self.refusal.field
-
-    @property
-    def error_code(self) -> ErrorCode:
-        """Error code that the robot reports."""
-        return self.refusal.error_code
-
-    @property
-    def text(self) -> str:
-        """Text for the user."""
-        return self.refusal.text
-
-
-@dataclass(frozen=True)
 class ActiveCommand(Frozen):
     """All values that commands have set.
 
@@ -130,10 +90,10 @@ class ActiveCommand(Frozen):
         requests: The latest requests to the behavior controller, oldest first.
         catalog: The behaviors that can be requested.
         error_code: Error code of the last message; NO_ERRORS if it was accepted.
-        refusals: The latest refused messages, oldest first.
+        events: The latest messages as events, oldest first: one for each, accepted or
+            refused.
+        received: Number of all messages, and so of their events.
         refused: Number of all refused messages.
-        messages: The latest messages, refused ones too, oldest first.
-        received: Number of all messages.
         atlas_command: What was last on the port of joint commands.
         sim_command: What was last on the port of behavior commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
@@ -144,10 +104,9 @@ class ActiveCommand(Frozen):
     requests: tuple[BehaviorRequest, ...]
     catalog: BehaviorCatalog = SHIPPED
     error_code: ErrorCode = ErrorCode.NO_ERRORS
-    refusals: tuple[Refused, ...] = ()
-    refused: int = 0
-    messages: tuple[Received, ...] = ()
+    events: tuple[Event, ...] = ()
     received: int = 0
+    refused: int = 0
     atlas_command: Seen = Seen()
     sim_command: Seen = Seen()
     atlas_stamp: float | None = None
@@ -158,14 +117,6 @@ class ActiveCommand(Frozen):
         """The latest request."""
         return self.requests[-1]
 
-    def messages_since(self, received: int) -> tuple[Received, ...]:
-        """Returns the messages after the first ``received``."""
-        return items_since(self.messages, self.received, received)
-
-    def refusals_since(self, refused: int) -> tuple[Refused, ...]:
-        """Returns the refusals after the first ``refused``."""
-        return items_since(self.refusals, self.refused, refused)
-
     @property
     def k_effort(self) -> np.ndarray:
         """User's share per joint, 0 to 255, shape (n,)."""
@@ -173,7 +124,7 @@ class ActiveCommand(Frozen):
 
 
 KEPT = 50
-"""Number of messages, requests and refusals to keep; none younger than READ_WITHIN is
+"""Number of requests and events to keep; none younger than READ_WITHIN is
 dropped."""
 
 
@@ -232,7 +183,8 @@ def latch(
     for port in new:
         outcome = seen[port].outcome
         assert outcome is not None
-        force = replace(receive(force, outcome, robot, time), **{port: seen[port]})
+        after, _ = receive(force, outcome, robot, time)
+        force = replace(after, **{port: seen[port]})
     return force
 
 
@@ -274,7 +226,7 @@ def _stamp(seen: Seen) -> float:
 
 def receive(
     force: ActiveCommand, outcome: Accepted | Refusal, robot: Robot, time: float
-) -> ActiveCommand:
+) -> tuple[ActiveCommand, Refusal | None]:
     """Applies a message that is new, or records its refusal.
 
     Args:
@@ -282,35 +234,56 @@ def receive(
         outcome: What the door says of the message.
         robot: The robot of the message.
         time: Present time [s].
+
+    Returns:
+        The commands in force after that, and why the message is refused, if it is.
     """
-    force = replace(force, received=force.received + 1)
-    message: Command | None = None
+    number = force.received + 1
+    force = replace(force, received=number)
     if isinstance(outcome, Accepted):
-        message = outcome.message
         try:
-            force = _applied(force, outcome, robot, time)
+            after = _applied(force, outcome, robot, time)
+            return _noted(after, accepted_event(time, number, outcome.message)), None
         except InvalidMessageError as error:
-            message, outcome = None, Refusal.of(error, outcome.kind)
-    if isinstance(outcome, Refusal):
-        refused = Refused(time, outcome)
-        force = replace(
-            force,
-            error_code=outcome.error_code,
-            refusals=append_recent(force.refusals, refused, KEPT),
-            refused=force.refused + 1,
-        )
-    received = Received(time, message)
-    return replace(force, messages=append_recent(force.messages, received, KEPT))
+            outcome = Refusal.of(error, outcome.kind)
+    force = replace(force, error_code=outcome.error_code, refused=force.refused + 1)
+    data = {"number": number, "command": outcome.kind.__name__, "field": outcome.field}
+    return _noted(force, Event(time, REFUSAL, outcome.text, data)), outcome
+
+
+def _noted(force: ActiveCommand, event: Event) -> ActiveCommand:
+    return replace(force, events=append_recent(force.events, event, KEPT))
+
+
+def accepted_event(time: float, number: int, message: Command) -> Event:
+    """Returns the event of a message that was accepted.
+
+    Args:
+        time: Time of receipt [s].
+        number: Number of the message.
+        message: The message, as the door gave it.
+    """
+    data = {"number": number, "message": message}
+    return Event(time, MESSAGE, type(message).__name__, data)
 
 
 def log_refusals(before: ActiveCommand, after: ActiveCommand) -> None:
     """Warns of messages refused since ``before``, once for a repeated fault."""
-    heard = {refusal.place: refusal.time for refusal in before.refusals}
-    for refusal in after.refusals_since(before.refused):
-        last = heard.get(refusal.place, -math.inf)
-        if not 0.0 <= refusal.time - last < SAME_FAULT:
-            _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
-        heard[refusal.place] = refusal.time
+    if after.refused == before.refused:
+        return
+    heard = {_place(e): e.time for e in before.events if e.kind == REFUSAL}
+    for event in items_since(after.events, after.received, before.received):
+        if event.kind != REFUSAL:
+            continue
+        last = heard.get(_place(event), -math.inf)
+        if not 0.0 <= event.time - last < SAME_FAULT:
+            _log.warning("t = %.3f s: %s", event.time, event.text)
+        heard[_place(event)] = event.time
+
+
+def _place(event: Event) -> tuple[str, str]:
+    """Returns kind of message and field at fault."""
+    return event.data["command"], event.data["field"]
 
 
 SAME_FAULT = 1.0

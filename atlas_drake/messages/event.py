@@ -6,7 +6,7 @@ Controllers put them into their status; logs, summaries and listeners read them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,12 @@ from atlas_drake.numeric import as_float
 
 STEPS_LEFT = "steps left"
 """Kind of the event for requested steps that were not taken."""
+MESSAGE = "message"
+"""Kind of the event for a message that was accepted; its data has the message and its
+number. Records and logs hold it; ``sim.events`` does not."""
+REFUSAL = "refusal"
+"""Kind of the event for a message that was refused; its data has its number, the kind
+of command, and the field at fault."""
 FOOTSTEP = "footstep"
 """Kind of the event for a foot that landed."""
 FOOTSTEP_DATA = (
@@ -79,3 +85,36 @@ class Event:
     def __str__(self) -> str:
         """Return time and text."""
         return f"{self.time:.3f} s: {self.text}"
+
+
+@dataclass(frozen=True)
+class RunEvent(Event):
+    """An event outside the station, such as a reset, which is in no record."""
+
+
+def fell_last(events: Iterable[Event]) -> bool:
+    """Return True if the robot fell since its last reset."""
+    fallen = False
+    for event in events:
+        if event.kind in ("fall", "reset"):
+            fallen = event.kind == "fall"
+    return fallen
+
+
+def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:
+    """Return the events with the first one of each fall only.
+
+    Both the controller and the fall monitor report a fall.
+
+    Args:
+        events: Events in order.
+        fallen: True if the robot has fallen already.
+    """
+    kept = []
+    for event in events:
+        if event.kind == "fall" and fallen:
+            continue
+        if event.kind in ("fall", "reset"):
+            fallen = event.kind == "fall"
+        kept.append(event)
+    return kept

@@ -1,6 +1,6 @@
 """Makes messages from plain data of YAML or JSON, by the names of the fields.
 
-``logs.notes`` converts messages to plain data. ``door`` checks the values.
+``records.plain`` converts messages to plain data. ``door`` checks the values.
 """
 
 from __future__ import annotations

@@ -179,8 +179,12 @@ class Robot:
         """The URDF file."""
         return find_urdf(self.path.parent, self.file.urdf)
 
-    def make_plant(self) -> MultibodyPlant:
-        """Makes a finalized plant of the robot alone, without geometry and ground."""
+    @cached_property
+    def plant(self) -> MultibodyPlant:
+        """The model of the robot alone: a finalized plant without geometry and ground.
+
+        It holds no state; whoever calculates with it has a Context of its own.
+        """
         plant = MultibodyPlant(time_step=0.0)
         self.add_to(plant)
         plant.Finalize()

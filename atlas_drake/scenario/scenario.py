@@ -131,6 +131,16 @@ class HarnessGains(Configuration):
     """Time in which the harness transfers its load to the legs after lowering [s]."""
 
 
+@dataclass(frozen=True)
+class LogContent(Configuration):
+    """What a log holds beside the numbers of every control tick."""
+
+    paths: bool = True
+    """Planned paths, for the overlays ``plan`` and ``swing`` of a replay."""
+    contacts: bool = False
+    """Forces of single contacts, for the overlay ``forces`` of a replay."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scenario(CheckedOnce):
     """All settings of a run."""
@@ -215,6 +225,8 @@ class Scenario(CheckedOnce):
     """Seed of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
     """Random variations at the start."""
+    log: LogContent = field(default_factory=LogContent)
+    """What a log holds beside the numbers of every control tick."""
 
     def __eq__(self, other: object) -> bool:
         """Compares all fields; Drake's configurations have no comparison."""

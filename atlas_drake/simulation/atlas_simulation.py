@@ -41,8 +41,9 @@ from atlas_drake.messages import (
     accept,
 )
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.numeric import as_float
+from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
@@ -439,9 +440,9 @@ class AtlasSimulation:
             # Collect events that precede the reset.
             self._look()
             self._run.reset(begin, start, where)
-            self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
+            self._log.note(RunEvent(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
-            self._look(anew=True)
+            self._look()
 
     def restart(self, scenario: Scenario) -> None:
         """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
@@ -566,6 +567,16 @@ class AtlasSimulation:
         return self._log.fallen()
 
     @property
+    def schema(self) -> Schema:
+        """The schema of the records: names, units and labels of their numbers."""
+        return self._run.schema
+
+    @property
+    def record(self) -> TickRecord:
+        """The record of the latest control tick; before the first one, of the start."""
+        return self.output("record")
+
+    @property
     def events(self) -> list[Event]:
         """All events so far."""
         return self._log.events
@@ -619,10 +630,10 @@ class AtlasSimulation:
 
     # ---- events --------------------------------------------------------------
 
-    def _look(self, *, anew: bool = False) -> None:
-        """Collects events; ``anew`` if the controller was reset since the last look."""
+    def _look(self) -> None:
+        """Collects events."""
         with self._noted_error():
-            self._log.look(self._run, anew=anew)
+            self._log.look(self._run)
 
     @contextmanager
     def _noted_error(self) -> Iterator[None]:

@@ -26,12 +26,12 @@ from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import listed
 from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.run_diagram import RunDiagram
-from atlas_drake.simulation.sinks import FileSink, Listener, Sink
+from atlas_drake.simulation.sinks import FilmSink, Listener, LogSink, Sink
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 if TYPE_CHECKING:
-    from atlas_drake.logs.recorder import LogRecorder
+    from atlas_drake.logs.mcap_writer import McapWriter
 
 
 @dataclass(frozen=True)
@@ -74,28 +74,30 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
     tick_seconds = array("d")
     # The modules for logs and views load only with a log or a view.
     with ExitStack() as on_error:
-        recorder = None
+        writer = None
         if outputs.log is not None:
-            from atlas_drake.logs.recorder import start_recorder
+            from atlas_drake.logs.mcap_writer import McapWriter, header_of
 
-            path = Path(outputs.log)
-            recorder = start_recorder(path, scenario, robot, world, tick_seconds, own)
-            on_error.callback(recorder.close)
+            header = header_of(scenario, robot, own)
+            writer = McapWriter(Path(outputs.log), header, scenario.log)
+            on_error.callback(writer.close)
         meshcat = outputs.view or None
         if meshcat is True:
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        displays = _displays(robot, scenario, parts, outputs, meshcat, recorder)
+        displays = _displays(robot, scenario, parts, outputs, meshcat, writer)
         diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
         run = RunDiagram(robot, scenario, diagram, bool(world), tick_seconds)
         on_error.pop_all()
     sinks: list[Sink] = []
-    if recorder is not None:
-        sinks.append(FileSink(path, recorder))
+    if writer is not None:
+        listener: Any = diagram.GetSubsystemByName("log")
+        recorder: Any = run.station.GetSubsystemByName("tick_recorder")
+        sinks.append(LogSink(writer, listener, recorder))
     if outputs.video is not None:
         film: Any = diagram.GetSubsystemByName("video")
-        sinks.append(FileSink(outputs.video.path, film))
+        sinks.append(FilmSink(outputs.video.path, film))
     if outputs.on_event is not None:
         sinks.append(Listener(outputs.on_event))
     if meshcat is not None:
@@ -111,24 +113,32 @@ def _displays(
     parts: Parts,
     outputs: Outputs,
     meshcat: Meshcat | None,
-    recorder: LogRecorder | None,
+    writer: McapWriter | None,
 ) -> Iterator[Extend]:
     """Yields what adds 3D view, log and video to a diagram, as far as there are any."""
     overlays = outputs.overlays
+    catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *parts.behaviors))
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        yield partial(add_meshcat_view, robot=robot, meshcat=meshcat, overlays=overlays)
-    if recorder is not None:
-        from atlas_drake.logs.recorder import add_log_recorder
+        yield partial(
+            add_meshcat_view,
+            robot=robot,
+            catalog=catalog,
+            meshcat=meshcat,
+            overlays=overlays,
+        )
+    if writer is not None:
+        from atlas_drake.logs.mcap_writer import add_log
 
-        yield partial(add_log_recorder, recorder=recorder)
+        yield partial(add_log, writer=writer)
     if outputs.video is not None:
         from atlas_drake.visualization.video_display import add_video
 
         yield partial(
             add_video,
             robot=robot,
+            catalog=catalog,
             scenario=scenario,
             video=outputs.video,
             world=parts.world,

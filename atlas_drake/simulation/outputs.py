@@ -24,7 +24,7 @@ _RULES: dict[str, tuple[Any, str]] = {
         "Overlays of atlas_drake.visualization.overlays{}, such as "
         "Overlays(['com', 'dcm'])",
     ),
-    "log": (str | os.PathLike, "the name of a file{}, such as 'run.npz'"),
+    "log": (str | os.PathLike, "the name of a file{}, such as 'run.mcap'"),
     "on_event": (Callable, "a callable (event) -> None{}"),
 }
 """Type of each field, and what an error says around the given value."""

@@ -23,6 +23,7 @@ from atlas_drake.diagrams.station_reset import begin_run, reset_station
 from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Accepted, Behavior, Refusal
+from atlas_drake.records import Schema
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
@@ -87,6 +88,8 @@ class RunDiagram:
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
             own.tick_seconds = tick_seconds
+        self._recorder: Any = self.station.GetSubsystemByName("tick_recorder")
+        self._recorder.tick_seconds = tick_seconds
         self._pushes = self.station.GetSubsystemByName("push_source")
         self._harness: Any = None
         if scenario.start.harnessed:
@@ -238,6 +241,18 @@ class RunDiagram:
                 f"Known are {', '.join(self._outputs)}"
             )
         return self.diagram.get_output_port(index).Eval(self.context)
+
+    @property
+    def schema(self) -> Schema:
+        """The schema of the records."""
+        schema: Schema = self._recorder.schema
+        return schema
+
+    def events_since(self, marks: Sequence[float]) -> tuple[Any, Sequence[float]]:
+        """Returns the station's events since the marks, and the present marks."""
+        context = self._recorder.GetMyContextFromRoot(self.context)
+        events, now = self._recorder.events_since(context, marks)
+        return events, now
 
     def frame_pose(self, name: str) -> RigidTransform:
         """Returns the pose in W of a body or frame of the robot.

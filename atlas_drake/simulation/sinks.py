@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from pydrake.systems.framework import Context
 
 from atlas_drake.errors import AtlasError
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import Event, RunEvent
 
 if TYPE_CHECKING:
-    from atlas_drake.logs.recorder import LogRecorder
+    from atlas_drake.logs.mcap_writer import McapWriter
+    from atlas_drake.systems.record_reader import RecordListener
+    from atlas_drake.systems.tick_recorder import TickRecorder
     from atlas_drake.visualization.video_display import VideoDisplay
 
 
@@ -58,17 +61,52 @@ class Listener:
         """Does nothing: a callable has no end."""
 
 
-class FileSink:
-    """A file that a system of the diagram writes.
+class FilmSink:
+    """A video that a system of the diagram makes.
 
     Without ``close`` the file is completed when the simulation is freed or the program
     ends.
     """
 
-    def __init__(self, path: Path, writer: LogRecorder | VideoDisplay) -> None:
-        """Takes over ``writer``, which writes ``path``."""
+    def __init__(self, path: Path, film: VideoDisplay) -> None:
+        """Takes over ``film``, which writes ``path``."""
         self.path = path
-        self._writer: Any = writer
+        self._film: Any = film
+        self._complete = weakref.finalize(self, film.close)
+
+    @property
+    def fault(self) -> AtlasError | None:
+        """Error that ended the filming."""
+        return self._film.fault
+
+    def event(self, event: Event) -> None:
+        """Does nothing: the pictures show their state."""
+
+    def close(self, root: Context) -> Any:
+        """Completes the file.
+
+        Returns:
+            The number of pictures.
+
+        Raises:
+            VideoError: If the video cannot be written, now or earlier in the run.
+        """
+        return self._complete()
+
+
+class LogSink:
+    """A log of a run, fed by a listener in the diagram.
+
+    Without ``close`` the file is completed when the simulation is freed or the program
+    ends.
+    """
+
+    def __init__(
+        self, writer: McapWriter, listener: RecordListener, recorder: TickRecorder
+    ) -> None:
+        """Takes over ``writer``, which ``listener`` hands records to."""
+        self.path = writer.path
+        self._writer, self._listener, self._recorder = writer, listener, recorder
         self._complete = weakref.finalize(self, writer.close)
 
     @property
@@ -77,23 +115,20 @@ class FileSink:
         return self._writer.fault
 
     def event(self, event: Event) -> None:
-        """Passes an event on to a log; the pictures of a video show their state."""
-        if hasattr(self._writer, "event"):
+        """Passes an event on that no record holds."""
+        if isinstance(event, RunEvent):
             self._writer.event(event)
 
-    def close(self, root: Context) -> Any:
-        """Completes the file.
-
-        Returns:
-            The number of pictures of a video; None for a log.
+    def close(self, root: Context) -> None:
+        """Completes the file, with the latest record and the events after it.
 
         Raises:
-            LogError: If a log cannot be written, now or earlier in the run.
-            VideoError: If a video cannot be written, now or earlier in the run.
+            LogError: If the log cannot be written, now or earlier in the run.
         """
-        try:
-            if hasattr(self._writer, "flush"):
-                self._writer.flush(self._writer.GetMyContextFromRoot(root))
-        finally:
-            completed = self._complete()
-        return completed
+        # What prevents a record has ended the run already, with its error.
+        with suppress(Exception):
+            self._listener.flush(self._listener.GetMyContextFromRoot(root))
+            context = self._recorder.GetMyContextFromRoot(root)
+            for event in self._recorder.events_after_tick(context):
+                self._writer.event(event)
+        self._complete()

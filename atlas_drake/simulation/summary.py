@@ -29,7 +29,7 @@ def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
         wall_time: Wall time of the run [s].
     """
     ticks = 1e3 * np.asarray(sim.tick_seconds)
-    extremes = sim.output("extremes")
+    peaks = sim.output("peaks")
     X_WP = sim.pelvis_pose
     tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
     quaternion = X_WP.rotation().ToQuaternion().wxyz()
@@ -55,8 +55,8 @@ def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
         }
         if ticks.size
         else {"median": None, "p99": None, "max": None},
-        "min_pelvis_height": _finite(extremes[-2]),
-        "max_pelvis_tilt_rad": _finite(extremes[-1]),
+        "min_pelvis_height": _finite(peaks[-2]),
+        "max_pelvis_tilt_rad": _finite(peaks[-1]),
         "final_behavior": sim.current_behavior.name,
         "final_pelvis_pose": {
             "position": X_WP.translation().tolist(),
@@ -64,7 +64,7 @@ def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
         },
         "footsteps": list(sim.footsteps),
         "peak_effort_fraction": dict(
-            zip(sim.robot.joint_names, map(float, extremes[:-2]), strict=True)
+            zip(sim.robot.joint_names, map(float, peaks[:-2]), strict=True)
         ),
         "configuration": as_plain(sim.scenario),
         "events": [

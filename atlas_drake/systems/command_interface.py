@@ -103,10 +103,9 @@ class CommandInterface(CollectableSystem):
         seen = look(before, atlas_command, sim_command, self._robot)
         after = replace(
             commands_at_start(self._robot, behavior, self._catalog),
-            refusals=before.refusals,
-            refused=before.refused,
-            messages=before.messages,
+            events=before.events,
             received=before.received,
+            refused=before.refused,
             **seen,
         )
         context.get_mutable_abstract_state(self._state).set_value(after)
@@ -125,11 +124,11 @@ class CommandInterface(CollectableSystem):
             The refusal of the message; None if it is in force.
         """
         before: ActiveCommand = self._commands.Eval(context)
-        after = receive(before, outcome, self._robot, context.get_time())
+        time = context.get_time()
+        after, refusal = receive(before, outcome, self._robot, time)
         self._log_refusals(context, after)
         context.get_mutable_abstract_state(self._state).set_value(after)
-        refusals = after.refusals_since(before.refused)
-        return refusals[-1].refusal if refusals else None
+        return refusal
 
     def _log_refusals(self, context: Context, after: ActiveCommand) -> None:
         """Warns of the refusals in ``after`` that are not in the state yet."""

@@ -35,45 +35,35 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 _BLANK = AtlasSimInterfaceState().freeze()
 _PARTS = {field.name: getattr(_BLANK, field.name) for field in fields(_BLANK)}
 """Blank parts that all reports share; making them takes longer than the rest."""
-_FEEDBACK = {
-    AtlasBehaviorStandFeedback: "stand_feedback",
-    AtlasBehaviorStepFeedback: "step_feedback",
-    AtlasBehaviorWalkFeedback: "walk_feedback",
-    AtlasBehaviorManipulateFeedback: "manipulate_feedback",
+FEEDBACK_FIELDS = {
+    AtlasBehaviorStandFeedback: "stand",
+    AtlasBehaviorStepFeedback: "step",
+    AtlasBehaviorWalkFeedback: "walk",
+    AtlasBehaviorManipulateFeedback: "manipulate",
 }
-"""Fields of the behaviors' feedback messages; other values are in ``feedback``."""
+"""Behaviors of the interface by the class of their feedback."""
 
 
-def behavior_report(
-    status: ControllerStatus, commands: ActiveCommand
-) -> AtlasSimInterfaceState:
-    """Returns the report as far as the controller knows it; nothing is measured.
+def answer(
+    status: ControllerStatus, error: ErrorCode, reached: bool
+) -> tuple[AtlasBehaviorFeedback, ErrorCode]:
+    """Returns the answer to the last message: result of the transition, and error.
 
     The errors of refused messages, which never reach the controller, are added.
 
     Args:
         status: Status of the controller.
-        commands: The commands in force.
+        error: Error code of the last message.
+        reached: True if the last message is the controller's last request.
     """
     transition = status.behavior_feedback
-    if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
+    if error == ErrorCode.NO_SUCH_BEHAVIOR:
         transition = AtlasBehaviorFeedback(
             transition.status_flags | BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
             transition.trans_from,
             transition.trans_to,
         )
-    # Otherwise the last message is not the controller's last request.
-    reached = commands.received == commands.request.number
-    return AtlasSimInterfaceState(
-        **{
-            **_PARTS,
-            "current_behavior": status.current_behavior,
-            "desired_behavior": status.desired_behavior,
-            "error_code": status.error_code if reached else commands.error_code,
-            "behavior_feedback": transition,
-            _FEEDBACK.get(type(status.feedback), "feedback"): status.feedback,
-        }
-    )
+    return transition, status.error_code if reached else error
 
 
 class InterfaceReporter(CollectableSystem):
@@ -94,7 +84,7 @@ class InterfaceReporter(CollectableSystem):
     def __init__(self, robot: Robot):
         """Reports on ``robot``."""
         super().__init__()
-        self._plant: Any = robot.make_plant()
+        self._plant: Any = robot.plant
         self._pelvis = robot.indices(self._plant).pelvis
         self._soles = robot.soles(self._plant)
         self._state = self.DeclareVectorInputPort(
@@ -115,7 +105,20 @@ class InterfaceReporter(CollectableSystem):
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
         commands: ActiveCommand = self._commands.Eval(context)
         state = self._state.Eval(context)
-        report = behavior_report(self._status.Eval(context), commands)
+        status: ControllerStatus = self._status.Eval(context)
+        reached = commands.received == commands.request.number
+        transition, error = answer(status, commands.error_code, reached)
+        own = FEEDBACK_FIELDS.get(type(status.feedback))
+        report = AtlasSimInterfaceState(
+            **{
+                **_PARTS,
+                "current_behavior": status.current_behavior,
+                "desired_behavior": status.desired_behavior,
+                "error_code": error,
+                "behavior_feedback": transition,
+                f"{own}_feedback" if own else "feedback": status.feedback,
+            }
+        )
         report.header = Header(context.get_time())
         report.f_out = self._effort.Eval(context).tolist()
         report.pos_est = AtlasPositionData(

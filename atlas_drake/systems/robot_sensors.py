@@ -13,18 +13,14 @@ from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, FrameIndex
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
-from atlas_drake.control.estimation.attitude import composed, rotation_matrix
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
 from atlas_drake.robot import Robot
-from atlas_drake.rotations import cross
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
+from atlas_drake.systems.imu_model import ImuModel
 from atlas_drake.systems.noisy_system import NoisySystem
-
-_UPWARD = np.array([0.0, 0.0, GRAVITY])
-"""Specific force of a body at rest, in W [m/s²]."""
 
 
 class RobotSensors(NoisySystem):
@@ -50,6 +46,7 @@ class RobotSensors(NoisySystem):
         contact_wrenches: The same four wrenches, all about W's origin, shape (24,).
         atlas_state: ``AtlasState``
         imu: ``Imu``
+        sensor_noise: ``SensorNoise`` in force, for measurements that are made later.
     """
 
     __slots__ = ()
@@ -73,10 +70,7 @@ class RobotSensors(NoisySystem):
         # Indices, because bodies and frames hold their plant where the garbage
         # collector cannot see it.
         self._instance = own = robot.instance(plant)
-        X_PI = plant.GetFrameByName(robot.file.imu_frame, own).GetFixedPoseInBodyFrame()
-        self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
-        self._R_PI = X_PI.rotation().matrix()
-        self._p_PI_I = self._R_PI.T @ X_PI.translation()
+        self._imu_model = ImuModel(robot, plant)
         feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
         self._bodies = {int(body.index()): i for i, body in enumerate(feet)}
         hands = [
@@ -88,8 +82,6 @@ class RobotSensors(NoisySystem):
         self._shapes = shapes_of(plant, self._bodies)
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
-        self._base = self._indices.generalized[:6]
-        self._w = self._num_q + self._base[:3]
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
@@ -143,6 +135,12 @@ class RobotSensors(NoisySystem):
         self.DeclareAbstractOutputPort(
             "imu", lambda: AbstractValue.Make(Imu()), self._calc_imu
         )
+        self.DeclareAbstractOutputPort(
+            "sensor_noise",
+            lambda: AbstractValue.Make(NOTHING),
+            lambda context, output: output.set_value(self.noise(context)),
+            prerequisites_of_calc={self.pa_ticket()},
+        )
 
     def reset(self, context: Context) -> None:
         """Clears the last contact forces."""
@@ -157,8 +155,8 @@ class RobotSensors(NoisySystem):
             state[num_q + indices.v] += noise.joint_velocity
             # Rotate the gyroscope's noise from the IMU's axes to the world's.
             R_WP = rotation_matrix(state[indices.pelvis.orientation])
-            turned = R_WP @ (self._R_PI @ noise.angular_velocity)
-            state[self._w] += turned
+            turned = R_WP @ (self._imu_model.R_PI @ noise.angular_velocity)
+            state[self._imu_model.w] += turned
         output.SetFromVector(state)
 
     def _sample_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
@@ -198,26 +196,16 @@ class RobotSensors(NoisySystem):
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
-        state = self._state.Eval(context)
-        acceleration = self._acceleration.Eval(context)
-        w_WP = state.take(self._w)
-        base = acceleration.take(self._base)
-        alpha_WP, a_WP = base[:3], base[3:]
-        # Of unit length; the plant's quaternion drifts from that by some 1e-4.
-        q_WI = composed(state[self._indices.pelvis.orientation], self._q_PI)
-        R_WI = rotation_matrix(q_WI)
-        p_PI_W = R_WI @ self._p_PI_I
-        a_WI = a_WP + cross(alpha_WP, p_PI_W) + cross(w_WP, cross(w_WP, p_PI_W))
-        rate = R_WI.T @ w_WP
-        force = R_WI.T @ (a_WI + _UPWARD)
-        sensors = self.noise(context)
-        if not sensors.silent:
-            noise = sensors.sample(context.get_time())
-            rate = rate + noise.angular_velocity
-            force = force + noise.specific_force
+        time = context.get_time()
+        q_WI, rate, force = self._imu_model.measure(
+            self._state.Eval(context),
+            self._acceleration.Eval(context),
+            self.noise(context),
+            time,
+        )
         # All at once: an empty message first would make every part twice.
         imu = Imu(
-            Header(context.get_time()),
+            Header(time),
             Quaternion.from_wxyz(q_WI),
             Vector3.from_array(rate),
             Vector3.from_array(force),

@@ -13,14 +13,14 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class RunStatistics(CollectableSystem):
-    """State and actuation in, their extremes so far out.
+    """State and actuation in, their peaks so far out.
 
     Input ports:
         state: Positions and velocities of the robot.
         actuation: Efforts of the motors [N·m], shape (n,), in plant order.
 
     Output ports:
-        extremes: Peak effort of each joint as a share of its limit, then the lowest
+        peaks: Peak effort of each joint as a share of its limit, then the lowest
             height [m] and the largest tilt [rad] of the pelvis, shape (n + 2,).
     """
 
@@ -29,7 +29,7 @@ class RunStatistics(CollectableSystem):
     def __init__(
         self, robot: Robot, indices: PlantIndices, num_states: int, period: float
     ):
-        """Updates the extremes every ``period`` [s]."""
+        """Updates the peaks every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
         self._order = indices.actuation
@@ -38,28 +38,28 @@ class RunStatistics(CollectableSystem):
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._actuation = self.DeclareVectorInputPort("actuation", n)
         start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
-        self._extremes = self.DeclareDiscreteState(start)
+        self._peaks = self.DeclareDiscreteState(start)
         self.DeclareVectorOutputPort(
-            "extremes",
+            "peaks",
             n + 2,
-            self._calc_extremes,
+            self._calc_peaks,
             prerequisites_of_calc={self.xd_ticket()},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _calc_extremes(self, context: Context, output: BasicVector) -> None:
-        extremes = context.get_discrete_state(self._extremes).value().copy()
-        extremes[:-2] = extremes[self._order] * self._per_limit
-        output.SetFromVector(extremes)
+    def _calc_peaks(self, context: Context, output: BasicVector) -> None:
+        peaks = context.get_discrete_state(self._peaks).value().copy()
+        peaks[:-2] = peaks[self._order] * self._per_limit
+        output.SetFromVector(peaks)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         state = self._state.Eval(context)
         _, qx, qy, _ = state[self._pelvis.orientation].tolist()
         height = float(state[self._pelvis.position.stop - 1])
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
-        after = context.get_discrete_state(self._extremes).value().copy()
+        after = context.get_discrete_state(self._peaks).value().copy()
         peaks = after[:-2]
         np.maximum(peaks, np.abs(self._actuation.Eval(context)), out=peaks)
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
-        discrete.set_value(self._extremes, after)
+        discrete.set_value(self._peaks, after)

@@ -31,9 +31,13 @@ from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
+LONG_UNSOLVED = 5
+"""Control ticks in a row without a solution for a warning; the fallback handles one or
+two."""
 _UNKNOWN = read_only(np.full(2, np.nan))
 
 
@@ -48,6 +52,8 @@ class ControllerState(Frozen):
         omega: Natural frequency of the pendulum at the last tick [1/s].
         solution: Solution of the QP at the last tick; None without a QP.
         unsolved: Number of ticks whose QP had no solution.
+        in_a_row: Number of the last ticks without a solution, since one with.
+        warned: True if the run has its warning of many ticks without a solution.
     """
 
     supervisor: SupervisorState
@@ -56,6 +62,8 @@ class ControllerState(Frozen):
     omega: float = 1.0
     solution: WholeBodySolution | None = None
     unsolved: int = 0
+    in_a_row: int = 0
+    warned: bool = False
 
 
 class WholeBodyController(CollectableSystem):
@@ -71,6 +79,8 @@ class WholeBodyController(CollectableSystem):
         behavior_effort: Efforts of the behavior [N·m], shape (n,).
         controller_status: ``ControllerStatus``
         planned_paths: ``PlannedPaths``
+        event_count: Number of events so far, shape (1,): read at every tick, where the
+            status would cost more.
     """
 
     __slots__ = ()
@@ -127,6 +137,12 @@ class WholeBodyController(CollectableSystem):
             self._calc_effort,
             prerequisites_of_calc={self.xa_ticket()},
         )
+        self.DeclareVectorOutputPort(
+            "event_count",
+            1,
+            self._calc_event_count,
+            prerequisites_of_calc={self.xa_ticket()},
+        )
         for name, blank, calc in (
             ("controller_status", ControllerStatus(), self._calc_status),
             ("planned_paths", PlannedPaths(), self._calc_paths),
@@ -147,6 +163,7 @@ class WholeBodyController(CollectableSystem):
             np.zeros(self._robot.num_joints),
             before.com,
             unsolved=before.unsolved,
+            warned=before.warned,
         )
         context.get_mutable_abstract_state(self._state).set_value(after)
 
@@ -186,7 +203,12 @@ class WholeBodyController(CollectableSystem):
                 else np.zeros(self._robot.num_joints)
             )
             return ControllerState(
-                supervisor, effort, com, omega, unsolved=before.unsolved
+                supervisor,
+                effort,
+                com,
+                omega,
+                unsolved=before.unsolved,
+                warned=before.warned,
             )
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
@@ -198,11 +220,22 @@ class WholeBodyController(CollectableSystem):
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
-        unsolved = before.unsolved + (not solution.found)
-        return ControllerState(supervisor, effort, com, omega, solution, unsolved)
+        unsolved, in_a_row = before.unsolved, 0
+        if not solution.found:
+            unsolved, in_a_row = unsolved + 1, before.in_a_row + 1
+        warned = before.warned or in_a_row == LONG_UNSOLVED
+        if warned and not before.warned:
+            warning = _long_unsolved(context.get_time(), unsolved, solution.why)
+            supervisor = supervisor.with_event(warning)
+        return ControllerState(
+            supervisor, effort, com, omega, solution, unsolved, in_a_row, warned
+        )
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._present(context).effort)
+
+    def _calc_event_count(self, context: Context, output: BasicVector) -> None:
+        output.SetAtIndex(0, self._present(context).supervisor.event_count)
 
     def _calc_status(self, context: Context, output: AbstractValue) -> None:
         state = self._present(context)
@@ -221,3 +254,12 @@ class WholeBodyController(CollectableSystem):
         output.set_value(
             self._supervisor.paths(state.supervisor, state.com, state.omega)
         )
+
+
+def _long_unsolved(time: float, unsolved: int, why: str) -> Event:
+    """Makes the warning of many ticks without a solution."""
+    text = (
+        f"the controller has found no solution in {unsolved} control ticks so far; a "
+        "fallback that does not balance holds the robot"
+    )
+    return Event(time, "warning", f"{text} ({why})" if why else text)

@@ -19,13 +19,13 @@ from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasBehaviorManipulateFeedback,
-    AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
     StepStatus,
     WalkStatus,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
+from atlas_drake.records import TickRecord
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 from atlas_drake.visualization.stroke_font import text_segments
@@ -70,26 +70,26 @@ _STEP = {
 
 
 def caption_of(
-    report: AtlasSimInterfaceState, catalog: BehaviorCatalog = SHIPPED
+    record: TickRecord, catalog: BehaviorCatalog = SHIPPED
 ) -> tuple[str, str]:
     """Makes title and note about the behavior of a robot with these behaviors."""
-    shares = list(report.k_effort)
+    shares = record.joints.k_effort.tolist()
     users = sum(share >= K_EFFORT_MAX for share in shares)
     blended = sum(0 < share < K_EFFORT_MAX for share in shares)
-    entry = catalog.entry(catalog.find(report.current_behavior))
+    entry = catalog.entry(catalog.find(record.behavior.current))
     behavior = entry.behavior
     note = f"{users} of {len(shares)} joints under user control"
     if users == 0 and behavior is not Behavior.NONE:
         note = "all joints under behavior control"
     if blended:
         note = f"{note}, {blended} shared"
-    if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
+    if record.behavior.status_flags & BehaviorStatus.ERROR_FALLING:
         return "falling", note
     if users == len(shares) or behavior is Behavior.USER:
         return "user", "all joints under user control"
     if behavior is Behavior.NONE:  # A controller without behaviors reports NONE.
         return "no behavior", note
-    walk, step = report.walk_feedback, report.step_feedback
+    walk, step = record.walk, record.step
     if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
         return f"{entry.title} - step {max(walk.current_step_index, 1)}", note
     if step.status_flags & StepStatus.SUBSTATE_STEPPING:
@@ -97,15 +97,16 @@ def caption_of(
     return entry.title, note
 
 
-def feedback_words(report: AtlasSimInterfaceState) -> str:
+def feedback_words(record: TickRecord) -> str:
     """Describes the flags: substate, transition, errors; "ok" if there is none."""
-    words = _said(report.walk_feedback.status_flags, _WALK)
-    words += _said(report.step_feedback.status_flags, _STEP)
-    if report.current_behavior == Behavior.MANIPULATE:
-        words += _pelvis_words(report.manipulate_feedback)
-    words += _said(report.behavior_feedback.status_flags, _TRANSITION)
-    if report.error_code != ErrorCode.NO_ERRORS:
-        words.append(f"error: {ErrorCode(report.error_code).name.replace('_', ' ')}")
+    words = _said(record.walk.status_flags, _WALK)
+    words += _said(record.step.status_flags, _STEP)
+    if record.behavior.current == Behavior.MANIPULATE:
+        words += _pelvis_words(record.manipulate)
+    words += _said(record.behavior.status_flags, _TRANSITION)
+    error = ErrorCode(record.behavior.error_code)
+    if error != ErrorCode.NO_ERRORS:
+        words.append(f"error: {error.name.replace('_', ' ')}")
     return ", ".join(words) or "ok"
 
 

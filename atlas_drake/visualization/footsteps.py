@@ -16,21 +16,13 @@ from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake.behaviors.footsteps import footstep_from
-from atlas_drake.messages import (
-    NO_STEP,
-    AtlasBehaviorStepData,
-    AtlasSimInterfaceState,
-)
-from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
-from atlas_drake.messages.event import Event
+from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
 from atlas_drake.palette import FEET
+from atlas_drake.records import TickRecord
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 
 LANDED_OPACITY = 0.45
-KEPT = 40
-"""Number of landed steps that stay in view."""
 VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
 """Changes of a step below this [m] or [rad] are shown as commanded."""
 HEIGHT_GRID = 0.002
@@ -69,18 +61,13 @@ class FootstepMark:
         return RigidTransform(RotationMatrix.MakeZRotation(self.yaw), p_WF)
 
 
-def footstep_marks(
-    request: BehaviorRequest,
-    report: AtlasSimInterfaceState,
-    events: Iterable[Event],
-    plan: Plan,
-) -> list[FootstepMark]:
-    """Collects the marks of footsteps: commanded, in the report, landed.
+def footstep_marks(record: TickRecord) -> list[FootstepMark]:
+    """Collects the marks of footsteps: commanded, as they will be taken, landed.
 
     The footsteps of the plan are used where the feedback of WALK or STEP lacks them.
     """
     marks = []
-    for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
+    for event in record.landed:
         foot = event.data["foot"]
         commanded, saturated = event.data["commanded"], event.data["saturated"]
         z = event.data["landed_height"]
@@ -88,7 +75,7 @@ def footstep_marks(
         marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
             marks.append(_mark(Kind.SATURATED, foot, saturated, z))
-    walk, step = report.walk_feedback, report.step_feedback
+    walk, step = record.walk, record.step
     if step.is_active:
         if step.t_step_rem > 0.0:
             z = step.desired_step_saturated.pose.position.z
@@ -96,7 +83,7 @@ def footstep_marks(
                 marks.append(_mark(Kind.COMMANDED, foot, pose, z))
         return marks
     if not walk.is_active:
-        for planned in plan.footsteps:
+        for planned in record.footsteps:
             x, y, z = map(float, planned.p_WF)
             place = _steady([x, y, planned.yaw])
             marks.append(_mark(Kind.COMMANDED, planned.foot, place, z))
@@ -107,9 +94,10 @@ def footstep_marks(
     # The report of the step to be taken defines the commanded height.
     heights = {data.step_index: data.pose.position.z for data in queue}
     coming = {}
-    params = request.command.walk_params
-    if request.behavior == report.current_behavior and not params.use_demo_walk:
-        for index, (foot, pose) in _poses(params.step_queue).items():
+    request = record.request
+    # A request that is not the active behavior's has no step queue.
+    if request is not None and not request.walk_params.use_demo_walk:
+        for index, (foot, pose) in _poses(request.walk_params.step_queue).items():
             if index >= first:
                 coming[index] = pose
                 z = heights.get(index, 0.0)

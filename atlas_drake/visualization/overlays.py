@@ -5,9 +5,13 @@ Switches only; the overlays are drawn in the files beside this one.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from atlas_drake.errors import ScenarioError, did_you_mean
+
+if TYPE_CHECKING:  # The command line says what is wrong before Drake is loaded.
+    from atlas_drake.scenario.scenario import LogContent
 
 OVERLAYS = {
     "com": "center of mass, and its projection on the ground",
@@ -24,8 +28,8 @@ OVERLAYS = {
 }
 """Names and descriptions of the overlays."""
 
-LOGGED = tuple(name for name in OVERLAYS if name != "forces")
-"""Overlays of a replay: a log has the sum of the contact forces on each foot only."""
+_NEEDED = {"plan": "paths", "swing": "paths", "forces": "contacts"}
+"""Field of a scenario's ``log`` that an overlay of a replay needs."""
 _COLORINGS = ("owner", "effort")
 """Overlays of which at most one is on, because a link has one color."""
 
@@ -85,27 +89,43 @@ class Overlays:
         (self._on.add if on else self._on.discard)(name)
 
 
-def overlays_from(text: str, offered: Collection[str] = OVERLAYS) -> list[str]:
-    """Parses a list such as ``com,dcm``, or ``all`` or ``none``.
+def logged_overlays(content: LogContent) -> tuple[str, ...]:
+    """Returns the overlays that a replay can show.
 
     Args:
-        text: The list.
-        offered: Overlays that can be shown: all, or LOGGED.
+        content: What the log holds.
+    """
+    return tuple(
+        name
+        for name in OVERLAYS
+        if name not in _NEEDED or getattr(content, _NEEDED[name])
+    )
+
+
+def why_not_logged(name: str) -> str:
+    """Says what a log lacks for an overlay, and how to record it.
+
+    Args:
+        name: Name of the overlay.
+    """
+    return (
+        f"{name} ({OVERLAYS[name]}): this log was recorded without; record the run "
+        f"with --set log.{_NEEDED[name]}=true"
+    )
+
+
+def overlays_from(text: str) -> list[str]:
+    """Parses a list such as ``com,dcm``.
+
+    Args:
+        text: The list, or ``all`` or ``none``.
 
     Raises:
-        ScenarioError: If there is no such overlay, or it is not offered.
+        ScenarioError: If there is no such overlay.
     """
     words = [word.strip() for word in text.split(",") if word.strip()]
     if words == ["all"]:
-        return [name for name in offered if name != "effort"]
+        return [name for name in OVERLAYS if name != "effort"]
     names = [] if words == ["none"] else words
     Overlays(names)
-    for name in names:
-        if name not in offered:
-            raise ScenarioError(
-                "--show",
-                name,
-                f"{name!r} ({OVERLAYS[name]}) is not in a log, which has "
-                + ", ".join(offered),
-            )
     return names

@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
 from pydrake.math import RigidTransform
 
-from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.records import TickRecord
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.terrain import surface_height
 from atlas_drake.visualization import FRAME_RATE
@@ -155,9 +155,9 @@ class Following:
         self._scene: tuple[float, float] | None = None
         self._target: np.ndarray | None = None
 
-    def show(self, report: AtlasSimInterfaceState) -> None:
+    def show(self, record: TickRecord) -> None:
         """Looks at the robot, once per picture."""
-        x, y, _ = map(float, report.pos_est.position.to_array())
+        x, y, _ = map(float, record.pelvis.position)
         recorded = self._overlays.recorded
         if self._scene is None or (
             not recorded and math.dist((x, y), self._scene) > LEAST_MOVE
@@ -165,7 +165,7 @@ class Following:
             self._scene = x, y
             center_at(self._meshcat, x, y)
         if self._overlays.is_on("follow"):
-            ground = min(foot.position.z for foot in report.foot_pos_est)
+            ground = min(float(p_WF[2]) for p_WF in record.feet.positions)
             goal = np.array([x, y, ground])
             target = goal if self._target is None else self._target
             share = 1.0 - math.exp(-1.0 / (FRAME_RATE * LAG))

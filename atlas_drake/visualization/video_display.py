@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.errors import shown
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
@@ -28,7 +29,7 @@ from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.seen import ViewPorts, add_view
+from atlas_drake.visualization.seen import ViewInputs, see
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at
 from atlas_drake.visualization.video_file import VideoError, VideoFile
 from atlas_drake.visualization.video_overlays import VideoOverlays
@@ -77,7 +78,7 @@ class VideoDisplay(CollectableSystem):
     Past pictures and the camera's target belong to the file, as with Drake's own video
     writers, and not to the state of the simulation.
 
-    Input ports are those of ``ViewPorts``, and the state of robot and world:
+    Input ports are those of ``RecordInputs``, and the state of robot and world:
         plant_state: Configuration first.
 
     Attributes:
@@ -90,6 +91,7 @@ class VideoDisplay(CollectableSystem):
         self,
         video: Video,
         robot: Robot,
+        catalog: BehaviorCatalog,
         terrain: Sequence[Block],
         world: Sequence[WorldMaker],
         overlays: Overlays,
@@ -100,6 +102,7 @@ class VideoDisplay(CollectableSystem):
         Args:
             video: Settings of the video.
             robot: Robot in the picture.
+            catalog: Its behaviors.
             terrain: Boxes on the ground.
             world: Models beside the robot.
             overlays: Switches of the overlays.
@@ -121,7 +124,8 @@ class VideoDisplay(CollectableSystem):
         size = video.width, video.height
         self._stage = VideoStage(robot, terrain, *size, world, X_TC)
         self._drawing = VideoOverlays(robot, self._stage)
-        self._ports = ViewPorts(self, robot, overlays)
+        self.inputs = ViewInputs(self, overlays)
+        self._see = partial(see, robot=robot, catalog=catalog, overlays=overlays)
         self._plant_state = self.DeclareVectorInputPort(
             "plant_state", self._stage.num_states
         )
@@ -153,8 +157,8 @@ class VideoDisplay(CollectableSystem):
     def _publish(self, context: Context) -> None:
         if not self._file.is_open:
             return
-        seen = self._ports.see(context)
-        pose = self._fixed or self._following(seen.state)
+        seen = self._see(self.inputs.shown(context))
+        pose = self._fixed or self._following(seen.record.state.q)
         q = self._plant_state.Eval(context)[: self._stage.num_positions]
         picture = self._stage.picture(q, seen.footsteps, pose)
         captioned = with_caption(
@@ -208,6 +212,7 @@ def add_video(
     builder: DiagramBuilder,
     station: System,
     robot: Robot,
+    catalog: BehaviorCatalog,
     scenario: Scenario,
     video: Video,
     world: Iterable[WorldMaker] = (),
@@ -219,6 +224,7 @@ def add_video(
         builder: Builder of the diagram that holds the station.
         station: An AtlasStation, or the replay of one.
         robot: Robot in the picture.
+        catalog: Its behaviors.
         scenario: Its terrain, models and camera are in the picture.
         video: Settings of the video.
         world: Models beside those of the scenario.
@@ -230,5 +236,6 @@ def add_video(
     overlays = overlays or Overlays()
     terrain, view = scenario.all_terrain(), scenario.surroundings().view
     world = (*world_of(scenario.all_models()), *world)
-    display = VideoDisplay(video, robot, terrain, world, overlays, view)
-    add_view(builder, station, "video", display)
+    display = VideoDisplay(video, robot, catalog, terrain, world, overlays, view)
+    builder.AddNamedSystem("video", display)
+    display.inputs.connect(builder, station)

@@ -23,7 +23,7 @@ class Fainting(LeafSystem):
     def __init__(self, robot, scenario, faint_at=1.0):
         super().__init__()
         self._robot, self._faint_at = robot, faint_at
-        plant = robot.make_plant()
+        plant = robot.plant
         self._split, self._indices = plant.num_positions(), robot.indices(plant)
         self._ankles = [i for i, name in enumerate(robot.joint_names) if "_ak" in name]
         self.DeclareVectorInputPort("state", plant.num_multibody_states())
@@ -59,7 +59,7 @@ def main():
     """Falls, and prints the report of the fall."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--log", type=Path, help="default: in a temporary folder")
-    path = parser.parse_args().log or Path(tempfile.mkdtemp()) / "fall.npz"
+    path = parser.parse_args().log or Path(tempfile.mkdtemp()) / "fall.mcap"
     with AtlasSimulation(controller=controller, log=path, on_event=print) as sim:
         sim.wait_until(lambda sim: sim.has_fallen)
         sim.advance(1.5)

@@ -22,7 +22,7 @@ class GravityCompensatedPd(LeafSystem):
         """Takes the robot, and the station's settings, which are not used here."""
         super().__init__()
         self._robot = robot
-        self._plant = robot.make_plant()
+        self._plant = robot.plant
         self._context = self._plant.CreateDefaultContext()
         self._indices = robot.indices(self._plant)
         # The station connects these by their names.

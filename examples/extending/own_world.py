@@ -63,7 +63,7 @@ world = [add_ball]  # what --with takes from this file
 def main():
     """Throws, and reads the log."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.npz"
+        path = Path(folder) / "run.mcap"
         with AtlasSimulation(world=world, log=path, on_event=print) as sim:
             throw(sim, SPEED)
             sim.advance(2.0)

@@ -45,7 +45,7 @@ def test_a_program_has_summary_log_and_verdict(program, tmp_path, capsys):
         "rospy.loginfo('at %s', 'work')\n"
         "rospy.sleep(0.2)\n"
     )
-    summary, log = tmp_path / "run.json", tmp_path / "run.npz"
+    summary, log = tmp_path / "run.json", tmp_path / "run.mcap"
     kept = ["--json", str(summary), "--log", str(log)]
     assert main(["script", path, "--headless", *kept, "--", "-x", "--json"]) == 0
     out = capsys.readouterr().out

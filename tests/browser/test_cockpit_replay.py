@@ -18,7 +18,7 @@ def url(tmp_path_factory):
     """The address of ``atlas-drake replay --cockpit`` over a log, and one beside."""
     pytest.importorskip("nicegui", reason="the cockpit is not installed")
     folder = tmp_path_factory.mktemp("replay")
-    log = folder / "run.npz"
+    log = folder / "run.mcap"
     with AtlasSimulation(log=log) as sim:
         sim.advance(1.0)
         sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.FREEZE))

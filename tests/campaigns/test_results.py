@@ -182,17 +182,17 @@ def test_the_report_counts_what_happened_first_in_failures():
     rows = {}
     for number in range(8):
         kind, place = first[number % 3]
-        figures = {"first_cause": kind, "first_cause_at": place}
+        figures = {"first_failure": kind, "first_failure_at": place}
         model = {"model": campaign.cases["model"][number % 2]}
         rows[number] = record(number, number < 2, **figures) | {"values": model}
-    del rows[7]["figures"]["first_cause"]
+    del rows[7]["figures"]["first_failure"]
     lines = [line for line in report(campaign, rows).splitlines() if " of 4" in line]
     assert [line for line in lines if "sole" in line or "QP" in line] == [
         "| model = atlas | sole slid left | 2 of 4 |",
         "| model = atlas | QP unsolved | 1 of 4 |",
         "| model = atlas_v3 | sole slid left | 2 of 4 |",
     ]
-    assert "cause" not in report(campaign, {0: record(0, False)})
+    assert "first failure" not in report(campaign, {0: record(0, False)})
 
 
 @pytest.mark.parametrize("package", ["matplotlib", "pyarrow", "scipy"])

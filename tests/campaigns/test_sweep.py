@@ -105,7 +105,7 @@ def test_a_killed_sweep_resumes_where_it_stopped(campaign_file, tmp_path, capsys
         assert (out / f"{name}.png").stat().st_size > 1000
     capsys.readouterr()
     # One trial alone is the same, and changes nothing.
-    log = tmp_path / "three.npz"
+    log = tmp_path / "three.mcap"
     assert main([*command, "--only", "3", "--log", str(log)]) == 0
     said = capsys.readouterr().out
     assert f"The same as in {out}." in said
@@ -140,7 +140,7 @@ def test_a_killed_sweep_resumes_where_it_stopped(campaign_file, tmp_path, capsys
         (["--jobs", "0"], "--jobs: is 0"),
         (["--shard", "3"], "--shard: is '3'"),
         (["--shard", "3/2"], "--shard: is 3/2"),
-        (["--log", "x.npz"], "--log: is for one trial"),
+        (["--log", "x.mcap"], "--log: is for one trial"),
         (["--only", "-1"], "--only: must be 0 or more"),
         (["--only", "3", "--trials", "3"], "--only: is 3; the campaign has 3 trials"),
         (["--set", "jitter.mas=1"], "jitter.mas"),

@@ -286,7 +286,7 @@ def tutorial_inertia():
     inverse_mass = InverseMass(robot)
     q = np.zeros(7 + robot.num_joints)
     q[0] = 1.0
-    q[robot.indices(robot.make_plant()).q] = robot.stand_prep
+    q[robot.indices(robot.plant).q] = robot.stand_prep
     found = inverse_mass.evaluate(inverse_mass.create_context(), q)
     return 1.0 / np.diag(found)
 

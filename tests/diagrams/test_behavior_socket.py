@@ -32,7 +32,6 @@ from atlas_drake.diagrams.atlas_station import (
     make_whole_body_controller,
 )
 from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
@@ -97,7 +96,7 @@ def asked(behavior, params=None):
 
 @pytest.mark.slow
 def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.mcap"
     back = None
     with AtlasSimulation(behaviors=[bow], log=path) as sim:
         back = sim.robot.joint_names.index("back_bky")
@@ -107,7 +106,7 @@ def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
         assert sim.current_behavior == 100
         assert sim.current_behavior.name == "BOW"
         assert sim.atlas_sim_interface_state.current_behavior is sim.current_behavior
-        assert caption_of(sim.atlas_sim_interface_state, sim.behaviors)[0] == "bowing"
+        assert caption_of(sim.record, sim.behaviors)[0] == "bowing"
         assert sim.atlas_state.position[back] - upright > 0.15
         sim.publish(asked("STAND"))
         sim.wait_until(lambda sim: sim.current_behavior is Behavior.STAND)
@@ -120,12 +119,7 @@ def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     assert log.commands[0].message.params == {"depth": 0.3}
     modes = make_page(log).panels[0]
     assert {item.label: item.color for item in modes.items}["BOW"] == bow.color
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    context.SetTime(log.time[row])
-    report = player.GetOutputPort("atlas_sim_interface_state").Eval(context)
-    catalog = player.GetOutputPort("commands").Eval(context).catalog
-    assert caption_of(report, catalog)[0] == "bowing"
+    assert caption_of(log.record(row), log.header.catalog)[0] == "bowing"
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,6 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
 from atlas_drake.frozen import NOTHING
-from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
@@ -128,15 +127,13 @@ class Counting(WithoutReset):
 
     def _tell(self, context, out):
         count = 2 + int(context.get_discrete_state_vector().value()[0])
-        if context.get_time() > 0.15:
-            count = max(count - 9, 0)
         events = tuple(Event(0.0, "note", f"{i}") for i in range(count))
         out.set_value(ControllerStatus(events=events, event_count=count))
 
 
 @pytest.mark.slow
 def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.mcap"
     with AtlasSimulation(controller=gravity_pd, log=path) as sim:
         sim.advance(1.0)
         effort = sim.output("behavior_effort")
@@ -177,7 +174,7 @@ def test_a_behavior_in_the_status_must_be_registered(tmp_path):
 
     with pytest.raises(ValueError, match=r"HOLD \(200\), which is not registered"):
         AtlasSimulation(controller=Named).advance(0.02)
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.mcap"
     with AtlasSimulation(controller=Named, behaviors=[hold], log=path) as sim:
         sim.advance(0.02)
         assert sim.current_behavior is hold.behavior
@@ -205,7 +202,7 @@ def test_a_fall_under_a_foreign_controller_goes_by_the_scenarios_limits():
 
 
 def test_the_status_of_a_controller_is_reported_and_logged(tmp_path):
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.mcap"
     with AtlasSimulation(controller=Talkative, log=path) as sim:
         sim.advance(0.1)
         assert sim.current_behavior is Behavior.FREEZE
@@ -223,11 +220,7 @@ def test_the_status_of_a_controller_is_reported_and_logged(tmp_path):
     assert log["walk.current_step_index"][-1] == 7
     assert (log["controller.solved"] == 1).all()
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    context.SetTime(log.time[-1])
-    paths = player.GetOutputPort("planned_paths").Eval(context)
-    np.testing.assert_allclose(paths.com, PATHS.com, atol=1e-3)
+    np.testing.assert_array_equal(log.paths_at(len(log) - 1).com, PATHS.com)
 
 
 @pytest.fixture(scope="module")
@@ -303,7 +296,7 @@ def test_a_faulty_status_is_one_error_and_stops_the_log(tmp_path, status):
         controller=lambda robot, _: controller_with_status(
             robot, lambda _context: status()
         ),
-        log=tmp_path / "run.npz",
+        log=tmp_path / "run.mcap",
     )
     (sink,) = sim.sinks
     with pytest.raises((TypeError, ValueError)) as caught, sim:
@@ -322,10 +315,6 @@ def test_events_counted_from_zero_after_a_reset_are_all_collected():
     texts = [event.text for event in sim.events]
     assert texts[12].startswith("reset")
     assert texts[13:] == [f"{i}" for i in range(7)]
-    with pytest.raises(ValueError, match="went back from 27 to 23: it must count"):
-        sim.advance(0.15)
-    sim.reset()
-    assert sim.events[-1].kind == "reset"
 
 
 @pytest.mark.filterwarnings("ignore:invalid value")

@@ -1,5 +1,7 @@
 """One short recorded run that covers all kinds of data."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,9 +15,14 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.logs.mcap_writer import McapWriter
+from atlas_drake.systems.record_reader import add_listener
 
 ARM = AtlasState.r_arm_ely
-PACKAGES = {".npz": "numpy", ".mcap": "mcap", ".parquet": "pyarrow"}
+PERIOD = Scenario().resolved().on_time_grid().control_period
+END = 0.3
+"""End of the run [s]."""
+TICKS = math.ceil(END / PERIOD)
 
 
 def arm_command():
@@ -41,19 +48,15 @@ def walk_command():
     return command
 
 
-END = 0.3
-"""End of the run [s]."""
-
-
 def drive(sim):
     """The same commands, push and refusals for whoever is driven."""
     sim.advance_to(0.05)
     sim.publish(arm_command())
     sim.advance_to(0.1)
-    bad = AtlasCommand()
-    bad.k_effort = [0, 300, *[0] * 26]
-    with pytest.raises(InvalidMessageError):
-        sim.publish(bad)
+    # Neither fits: a share that is too large, a number that is too large for a float.
+    for values in ([0, 300, *[0] * 26], [10**400] * 28):
+        with pytest.raises(InvalidMessageError):
+            sim.publish(AtlasCommand(k_effort=values))
     sim.apply_push("utorso", [5.0, 0.0, 0.0], 0.02)
     sim.advance_to(0.14)
     sim.publish(walk_command())
@@ -66,28 +69,51 @@ def scenario():
 
 
 @pytest.fixture(scope="session")
-def run(tmp_path_factory, scenario):
-    """The simulation after its run, and its log."""
-    path = tmp_path_factory.mktemp("logs") / "run.npz"
-    sim = AtlasSimulation(scenario, log=path)
+def recorded(tmp_path_factory, scenario):
+    """The simulation after its run, its log, and the records as a listener had them."""
+    path, records = tmp_path_factory.mktemp("logs") / "run.mcap", []
+
+    def listen(builder, station):
+        add_listener(builder, station, "listener", records.append, paths=True)
+
+    sim = AtlasSimulation(scenario, log=path, extend=listen)
     drive(sim)
     sim.close()
-    return sim, read_log(path)
+    return sim, read_log(path), records
+
+
+@pytest.fixture(scope="session")
+def run(recorded):
+    """The simulation after its run, and its log."""
+    return recorded[:2]
 
 
 @pytest.fixture
-def log(run):
-    return run[1]
+def log(recorded):
+    return recorded[1]
 
 
-@pytest.fixture(params=sorted(PACKAGES))
-def suffix(request):
-    pytest.importorskip(PACKAGES[request.param])
-    return request.param
+@pytest.fixture
+def write(log):
+    """Writes records, by default those of the log, to another file."""
+
+    def write(path, records=None, header=None):
+        writer = McapWriter(path, header or log.header)
+        writer.begin(log.schema)
+        for record in log.records() if records is None else records:
+            writer.record(record)
+        writer.close()
+        return path
+
+    return write
 
 
-def assert_same_arrays(a, b, rows=None):
-    assert a.keys() == b.keys()
-    for name in a:
-        assert a[name].dtype == b[name].dtype, name
-        np.testing.assert_array_equal(a[name][:rows], b[name][:rows], err_msg=name)
+def assert_beginning_of(whole, found):
+    """All that was found is as it was written; returns the number of records."""
+    rows = len(found)
+    assert 0 < rows <= len(whole)
+    assert found.arrays.keys() == whole.arrays.keys()
+    for name, values in found.arrays.items():
+        assert values.dtype == whole[name].dtype, name
+        np.testing.assert_array_equal(values, whole[name][:rows], err_msg=name)
+    return rows

@@ -15,9 +15,8 @@ from atlas_drake.logs.balance_figures import (
     runs,
     view_from_above,
 )
-from atlas_drake.logs.figures import _solved, make_page
-from atlas_drake.logs.log import Log
-from atlas_drake.logs.notes import note_from_event
+from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.log import LoggedEvent
 from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
 from atlas_drake.messages.event import Event
 
@@ -83,10 +82,6 @@ def test_set_points_are_shown_where_the_user_has_a_share(log, page):
     assert not any(line.dashed for line in panel(page, "Left arm").items)
 
 
-def changed(log, arrays):
-    return Log(log.path, log.header, arrays, log.notes)
-
-
 def test_references_are_dashed_where_there_are_any(log):
     """STAND and WALK plan different ones, and a controller may plan none."""
     names = [f"balance.{name}_reference" for name in ("com", "dcm", "cop")]
@@ -95,7 +90,7 @@ def test_references_are_dashed_where_there_are_any(log):
         arrays = {**log.arrays}
         for name in set(names) - set(given):
             arrays[name] = np.full_like(arrays[name], np.nan)
-        part = changed(log, arrays)
+        part = replace(log, arrays=arrays)
         for drawn, column in (
             (view_from_above(part, feet), 1),
             (balance_over_time(part, feet, 0), 0),
@@ -105,9 +100,6 @@ def test_references_are_dashed_where_there_are_any(log):
             assert len(plans) == len(given), drawn.title
             for name, y in zip(given, plans, strict=True):
                 np.testing.assert_array_equal(y, arrays[name][:, column])
-    # Logs of earlier versions lack some.
-    arrays = {n: a for n, a in log.arrays.items() if n != "balance.com_reference"}
-    balance_over_time(changed(log, arrays), feet, 0)
 
 
 def test_ticks_without_a_qp_are_not_shown_as_solved(log):
@@ -118,13 +110,12 @@ def test_ticks_without_a_qp_are_not_shown_as_solved(log):
 
     def labels(solved):
         arrays = {**log.arrays, "controller.solved": solved}
-        if solved is None:  # Logs of earlier versions lack it.
-            del arrays["controller.solved"]
-        return [span.label for span in _solved(changed(log, arrays)).items]
+        page = make_page(replace(log, arrays=arrays))
+        return [span.label for span in panel(page, "Whole-body QP").items]
 
     assert labels(solved) == ["solved", "no QP", "no solution"]
     assert labels(np.full(rows, -1)) == ["no QP"]
-    assert labels(None) == labels(log["controller.solved"]) == ["solved"]
+    assert labels(log["controller.solved"]) == ["solved"]
 
 
 def test_the_cop_lies_in_the_support(log, page):
@@ -138,8 +129,8 @@ def test_the_cop_lies_in_the_support(log, page):
 
 
 def test_a_fall_is_marked_in_all_figures_over_time(log):
-    fall = note_from_event(Event(0.1, "fall", "falling in STAND"))
-    fallen = Log(log.path, log.header, log.arrays, [*log.notes, fall])
+    fall = LoggedEvent(11, Event(0.1, "fall", "falling in STAND"), True)
+    fallen = replace(log, logged=[*log.logged, fall])
     for p in make_page(fallen).panels:
         marked = any(isinstance(item, Marker) and item.x == 0.1 for item in p.items)
         assert marked == p.over_time, p.title
@@ -219,7 +210,7 @@ def test_no_titles_legends_or_figures_overlap(page):
 def test_a_png_is_written(page, tmp_path, monkeypatch):
     monkeypatch.setattr(png_page, "DPI", 40)
     # What matplotlib would take for a formula, and one that it cannot read.
-    page = replace(page, title=r"run_$\x$.npz: atlas, scenario $^_$")
+    page = replace(page, title=r"run_$\x$.mcap: atlas, scenario $^_$")
     png_page.write_png(page, tmp_path / "page.png")
     data = (tmp_path / "page.png").read_bytes()
     assert data.startswith(b"\x89PNG")
@@ -277,7 +268,7 @@ def test_short_logs_without_contact_can_be_drawn(log, rows):
     for side in ("left", "right"):
         arrays[f"feet.{side}_force"][:] = 0.0
     arrays["controller.tick_time"][:] = np.nan
-    page = make_page(Log(log.path, log.header, arrays, []))
+    page = make_page(replace(log, arrays=arrays, logged=[]))
     png_page.draw_figure(page).draw_without_rendering()
     draw(page)
 

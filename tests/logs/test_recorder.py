@@ -1,78 +1,82 @@
-"""The recorder stores the values of the ports, and does not change the run."""
+"""A log holds the values of the ports at the ticks, and does not change the run."""
 
-import math
 from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
-from atlas_drake.logs import recorder
-from atlas_drake.logs.channels import GAINS
-from atlas_drake.logs.rows import RowMaker
+from atlas_drake.logs.mcap_writer import McapWriter
+from atlas_drake.messages.joint_command import JOINT_FIELDS
+from atlas_drake.records.groups import Gains
 from atlas_drake.scenario import Jitter
 
-from .conftest import ARM, END, arm_command, drive, walk_command
+from .conftest import ARM, PERIOD, TICKS, arm_command, drive, walk_command
 
-PERIOD = Scenario().resolved().on_time_grid().control_period
+
+def state_of(sim):
+    return sim.plant.GetPositionsAndVelocities(
+        sim.plant.GetMyContextFromRoot(sim.context)
+    )
 
 
 def test_rows_are_the_control_ticks(log):
-    ticks = math.ceil(END / PERIOD)
-    np.testing.assert_allclose(log.time, PERIOD * np.arange(ticks), atol=1e-9)
+    np.testing.assert_allclose(log.time, PERIOD * np.arange(TICKS), atol=1e-9)
     assert log.header.control_period == pytest.approx(PERIOD)
+
+
+@pytest.mark.parametrize("period", [0.004, 0.008, 0.01])
+def test_no_tick_is_lost_at_any_period(period, tmp_path):
+    """Times are sums of periods, which are rounded."""
+    scenario = Scenario(physics_step=0.002, control_period=period)
+    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
+        sim.advance_to(0.1001)
+    log = read_log(tmp_path / "run.mcap")
+    np.testing.assert_allclose(log.time, np.arange(0.0, 0.1001, period), atol=1e-9)
 
 
 def test_recording_does_not_change_the_motion(run, scenario):
     recorded, _ = run
     plain = AtlasSimulation(scenario)
     drive(plain)
-    states = [
-        sim.plant.GetPositionsAndVelocities(sim.plant.GetMyContextFromRoot(sim.context))
-        for sim in (recorded, plain)
-    ]
-    np.testing.assert_array_equal(*states)
+    np.testing.assert_array_equal(state_of(recorded), state_of(plain))
     assert recorded.events == plain.events
-    assert not plain.diagram.HasSubsystemNamed("log_recorder")
+    assert recorded.record == plain.record
 
 
 def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
-    sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
+    sim = AtlasSimulation(scenario, log=tmp_path / "run.mcap")
     sim.publish(arm_command())
     seen = []
-    ports = ("state", "behavior_state", "foot_wrenches")
     for tick in range(12):
         sim.advance_to(PERIOD * tick)
-        before = {name: np.array(sim.output(name)) for name in ports}
+        names = ("state", "behavior_state", "foot_wrenches")
+        before = {name: np.array(sim.output(name)) for name in names}
         before["report"] = sim.atlas_sim_interface_state
         # The control tick, after which the physics is a step further.
         sim.simulator.AdvancePendingEvents()
-        after = [
-            sim.output(name)
-            for name in ("controller_status", "behavior_effort", "commands")
-        ]
-        seen.append((before, *after))
+        names = ("controller_status", "behavior_effort", "commands")
+        seen.append((before, *map(sim.output, names)))
     sim.advance_to(PERIOD * 12)
     sim.close()
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert len(log) == 12
     num_q = sim.plant.num_positions()
     indices = sim.robot.indices(sim.plant)
     for row, (before, status, effort, commands) in enumerate(seen):
-        report = before["report"]
+        report, measured = before["report"], before["behavior_state"]
         left, right = report.foot_pos_est
-        measured = before["behavior_state"]
         expected = {
             "state.q": before["state"][:num_q],
             "state.v": before["state"][num_q:],
             "joints.position": measured[indices.q],
             "joints.velocity": measured[num_q + indices.v],
             "joints.behavior_effort": effort,
-            "joints.position_setpoint": commands.joints.position,
             "behavior.current": status.current_behavior,
+            "behavior.request_number": commands.request.number,
             "controller.unsolved": status.unsolved,
             "controller.solved": status.solved,
-            "balance.dcm_reference": status.plan.dcm_reference,
+            "balance.omega": status.plan.omega,
             "pelvis.position": report.pos_est.position.to_array(),
             "pelvis.velocity": report.pos_est.velocity.to_array(),
             "feet.left_position": left.position.to_array(),
@@ -80,6 +84,15 @@ def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
             "feet.left_torque": before["foot_wrenches"][:3],
             "feet.right_force": before["foot_wrenches"][9:],
         }
+        for name in ("com", "dcm", "cop"):
+            reference = f"{name}_reference"
+            expected[f"balance.{reference}"] = getattr(status.plan, reference)
+        for name in JOINT_FIELDS:
+            column = f"gains.{name}"
+            if column not in log.arrays:
+                of_user = "" if name == "k_effort" else "_setpoint"
+                column = f"joints.{name}{of_user}"
+            expected[column] = getattr(commands.joints, name)
         for name, value in expected.items():
             np.testing.assert_array_equal(log[name][row], value, err_msg=name)
     # The behavior has all joints but one, whose effort is the user's.
@@ -111,6 +124,9 @@ def test_commands_are_kept_as_sent_with_their_times(log):
     assert (arm.time, walk.time) == pytest.approx((0.05, 0.14))
     assert arm.message == arm_command()
     assert walk.message == walk_command()
+    requests = [record.request for record in log.records()]
+    assert requests[0] is None
+    assert requests[-1] == walk_command()
 
 
 def test_events_are_kept(run):
@@ -121,21 +137,24 @@ def test_events_are_kept(run):
     ]
     times = [event.time for event in happened]
     assert [event.time for event in log.events] == pytest.approx(times)
-    assert log["behavior.error_code"].min() < 0  # Of the refusal.
-    assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
+    assert log["behavior.error_code"].min() < 0  # Of the refusals.
+    assert {"push", "behavior"} <= {event.kind for event in log.events}
+    refused = [event for event in log.events if event.kind == "refusal"]
+    assert [event.data["field"] for event in refused] == ["k_effort[1]", "k_effort[0]"]
+    assert {event.data["command"] for event in refused} == {"AtlasCommand"}
 
 
 def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scenario):
     gains = AtlasCommand(kp_position=[7.0] * 28)
     messages = [gains, arm_command(), walk_command()]
-    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
         for message in messages:
             sim.publish(message)
         sim.advance_to(5 * PERIOD)
         # What the next tick finds; what motors do and touch changes in the tick.
         state = sim.atlas_state
         sim.advance_to(6 * PERIOD)
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert [command.message for command in log.commands] == messages
     in_tick = {
         "effort": "joints.effort",
@@ -145,7 +164,7 @@ def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scen
         in_tick[hand] = f"hands.{side}_force"
     plain = {
         "joints": ("position", "velocity", "k_effort"),
-        "gains": tuple(GAINS),
+        "gains": tuple(field.name for field in fields(Gains)),
     }
     expected = {
         name: (getattr(state, name), f"{topic}.{name}")
@@ -169,7 +188,7 @@ def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scen
 
 
 def test_a_log_continues_after_a_reset_and_ends_when_closed(tmp_path):
-    file = tmp_path / "run.npz"
+    file = tmp_path / "run.mcap"
     with AtlasSimulation(log=file) as sim:
         sim.advance_to(5 * PERIOD)
         sim.reset()
@@ -182,53 +201,37 @@ def test_a_log_continues_after_a_reset_and_ends_when_closed(tmp_path):
 
 
 def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
-    sim = AtlasSimulation(log=tmp_path / "run.npz")
+    sim = AtlasSimulation(log=tmp_path / "run.mcap")
     sim.advance_to(5 * PERIOD)
-    assert not (tmp_path / "run.npz").exists()
     del sim
-    assert len(read_log(tmp_path / "run.npz")) == 5
+    assert len(read_log(tmp_path / "run.mcap")) == 5
 
 
-def test_an_interrupt_while_rows_are_computed_loses_none(tmp_path, monkeypatch):
-    compute, calls = RowMaker.rows, []
+def test_an_interrupt_while_a_record_is_written_loses_none_before(
+    tmp_path, monkeypatch
+):
+    write, calls = McapWriter.record, []
 
-    def interrupted(maker, samples):
-        calls.append(len(samples))
-        if len(calls) == 2:
+    def interrupted(writer, record):
+        calls.append(record)
+        if len(calls) == 20:
             raise KeyboardInterrupt
-        return compute(maker, samples)
+        write(writer, record)
 
-    monkeypatch.setattr(recorder, "BLOCK", 10)
-    monkeypatch.setattr(RowMaker, "rows", interrupted)
+    monkeypatch.setattr(McapWriter, "record", interrupted)
     # Drake may pass it on as an error of its own.
     with (
         pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
-        AtlasSimulation(log=tmp_path / "run.npz") as sim,
+        AtlasSimulation(log=tmp_path / "run.mcap") as sim,
     ):
         sim.advance_to(30 * PERIOD)
-    times = read_log(tmp_path / "run.npz").time
-    assert len(times) >= 20
-    np.testing.assert_allclose(times, PERIOD * np.arange(len(times)), atol=1e-9)
-
-
-def test_rows_that_cannot_be_computed_leave_the_earlier_ones(tmp_path, monkeypatch):
-    monkeypatch.setattr(recorder, "BLOCK", 10)
-    sim = AtlasSimulation(log=tmp_path / "run.npz")
-    sim.advance_to(15 * PERIOD)
-
-    def fail(*_arguments):
-        raise MemoryError
-
-    monkeypatch.setattr(RowMaker, "rows", fail)
-    with pytest.raises(MemoryError):
-        sim.close()
-    assert len(read_log(tmp_path / "run.npz")) == 10
+    assert [*read_log(tmp_path / "run.mcap").records()][:19] == calls[:19]
 
 
 @pytest.mark.slow
 def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     scenario = Scenario(initial_behavior="USER", jitter=Jitter(joints=0.6))
-    file = tmp_path / "run.npz"
+    file = tmp_path / "run.mcap"
     with AtlasSimulation(scenario, log=file) as sim:
         sim.advance_to(416 * PERIOD)
         state = sim.atlas_state  # At the instant of the last row.

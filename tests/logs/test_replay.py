@@ -1,8 +1,5 @@
 """A replay shows the contents of the log in the same way as the run."""
 
-import dataclasses
-from dataclasses import asdict, dataclass, replace
-
 import numpy as np
 import pytest
 from pydrake.common.yaml import yaml_dump
@@ -16,37 +13,16 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
-from atlas_drake.behaviors.base import BehaviorProtocol
-from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import as_plain
-from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
-from atlas_drake.logs.layout import SIDES
-from atlas_drake.logs.log import Log
-from atlas_drake.logs.log_player import LogPlayer
-from atlas_drake.logs.notes import Header
+from atlas_drake.frozen import replace
+from atlas_drake.scenario.scenario import LogContent
 from atlas_drake.scenario.terrain import Block
-from atlas_drake.visualization.caption import caption_of, feedback_words
-from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlay_marks import PATH
-from atlas_drake.visualization.overlays import LOGGED, Overlays
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays, logged_overlays
+from atlas_drake.visualization.seen import see
 
-from .conftest import ARM, walk_command
-
-FEEDBACK = (
-    "error_code",
-    "current_behavior",
-    "desired_behavior",
-    "f_out",
-    "behavior_feedback",
-    "stand_feedback",
-    "step_feedback",
-    "walk_feedback",
-    "manipulate_feedback",
-    "k_effort",
-)
-"""What of a report changes in control ticks alone."""
-NAMES = "commands", "controller_status", "atlas_sim_interface_state", "planned_paths"
+from .conftest import walk_command
 
 
 @pytest.fixture(scope="module")
@@ -54,25 +30,31 @@ def meshcat():
     return Meshcat()
 
 
-def geometry_poses(query):
-    inspector = query.inspector()
-    return {
-        inspector.GetName(frame): query.GetPoseInWorld(frame).GetAsMatrix4()
-        for frame in inspector.GetAllFrameIds()
-    }
+class Replayed:
+    """The output ports of a log's replay at any time."""
+
+    def __init__(self, log, **options):
+        diagram = make_replay(log, **options)
+        self._root = diagram.CreateDefaultContext()
+        self.station = diagram.GetSubsystemByName("station")
+        self._own = self.station.GetMyContextFromRoot(self._root)
+
+    def at(self, time, name="record"):
+        self._root.SetTime(time)
+        return self.station.GetOutputPort(name).Eval(self._own)
 
 
 def test_bodies_are_where_the_log_has_them(run, meshcat):
     sim, log = run
-    diagram = make_replay(log, meshcat)
-    context = diagram.CreateDefaultContext()
-    station = diagram.GetSubsystemByName("station")
-    own = station.GetMyContextFromRoot(context)
-    plant = sim.plant
+    replayed, plant = Replayed(log, meshcat=meshcat), sim.plant
     scratch = plant.CreateDefaultContext()
     for row in (0, len(log) // 2, len(log) - 1):
-        context.SetTime(log.time[row])
-        poses = geometry_poses(station.GetOutputPort("query_object").Eval(own))
+        query = replayed.at(log.time[row], "query_object")
+        inspector = query.inspector()
+        poses = {
+            inspector.GetName(frame): query.GetPoseInWorld(frame).GetAsMatrix4()
+            for frame in inspector.GetAllFrameIds()
+        }
         plant.SetPositions(scratch, log["state.q"][row])
         for name in sim.robot.body_names:
             X_WB = plant.EvalBodyPoseInWorld(scratch, plant.GetBodyByName(name))
@@ -81,64 +63,51 @@ def test_bodies_are_where_the_log_has_them(run, meshcat):
             )
 
 
-def test_the_row_is_the_latest_one(log):
-    player, period = LogPlayer(log), log.header.control_period
-    context = player.CreateDefaultContext()
-    for time, row in (
-        (0.0, 0),
-        (1.5 * period, 1),
-        (2.0 * period, 2),
-        (99.0, len(log) - 1),
+def test_the_record_is_that_of_the_tick_before_as_in_a_run(log):
+    replayed, period = Replayed(log), log.header.control_period
+    last = len(log) - 1
+    for time, row, before in (
+        (0.0, 0, 0),
+        (1.5 * period, 1, 1),
+        (2.0 * period, 2, 1),
+        (99.0, last, last),
     ):
-        context.SetTime(time)
-        assert player.row(context) == row
+        shown = replayed.at(time)
+        assert shown == replace(log.record(before), paths=shown.paths)
+        # Paths are kept every 0.1 s, and shown until the next ones.
+        assert shown.paths is not None
         np.testing.assert_array_equal(
-            player.GetOutputPort("state").Eval(context),
+            replayed.at(time, "plant_state"),
             np.concatenate([log["state.q"][row], log["state.v"][row]]),
         )
 
 
-def looks_and_outputs(sim, log):
-    """What a display of the run shows, and the outputs of the run and of the player."""
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    context.SetTime(log.time[-1])
-    live = [sim.output(name) for name in NAMES]
-    again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
-    live_looks, looks = (
-        (
-            footstep_marks(commands.request, report, status.events, status.plan),
-            caption_of(report),
-            feedback_words(report),
-        )
-        for commands, status, report, _paths in (live, again)
-    )
-    assert looks == live_looks
-    for name in FEEDBACK:
-        assert getattr(again[2], name) == getattr(live[2], name), name
-    return looks, live, again
-
-
-def test_footsteps_and_caption_are_those_of_the_run(run):
-    (marks, caption, _words), live, again = looks_and_outputs(*run)
-    was, is_now = live[1].plan, again[1].plan
-    for name in ("support", "dcm_reference", "cop_reference"):
-        np.testing.assert_allclose(getattr(is_now, name), getattr(was, name))
-    assert [step.foot for step in is_now.footsteps] == [
-        step.foot for step in was.footsteps
-    ]
-    assert is_now.footsteps
-    # Paths are kept every 0.1 s; where they end moves little meanwhile.
-    for name in ("com", "dcm", "cop"):
-        end, ended = getattr(again[3], name)[-1], getattr(live[3], name)[-1]
-        np.testing.assert_allclose(end, ended, atol=0.01)
-    assert len(marks) >= 4
-    assert caption[0].startswith("WALK")
-    assert again[0].request.command == walk_command()
+def test_what_is_seen_is_what_was_seen(recorded):
+    sim, log, records = recorded
+    replayed, catalog, shown = Replayed(log), log.header.catalog, set()
+    for on in (OVERLAYS, ["owner"]):
+        overlays = Overlays(on)
+        for record in (*records, sim.record):
+            # As in the run, a picture has the paths that were planned last.
+            again = replayed.at(record.time + 1e-3)
+            live = replace(record, paths=again.paths)
+            was = see(live, sim.robot, catalog, overlays)
+            is_now = see(again, log.robot, catalog, overlays)
+            for name in ("record", "title", "notes", "footsteps", "joint_colors"):
+                assert getattr(is_now, name) == getattr(was, name), name
+            for a, b in zip(is_now.shapes, was.shapes, strict=True):
+                assert (a.name, a.kind) == (b.name, b.kind)
+                np.testing.assert_array_equal(a.points, b.points)
+            shown |= {one.name for one in was.shapes}
+    assert {"support", "plan_com", "cop"} <= shown
+    assert len(was.footsteps) >= 4
+    assert was.title.startswith("WALK")
+    assert again.request == walk_command()
 
 
 def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
-    meshcat, overlays = Meshcat(), Overlays(LOGGED)
+    meshcat = Meshcat()
+    overlays = Overlays(logged_overlays(log.scenario.log))
     simulator = Simulator(make_replay(log, meshcat, overlays))
     for name in ("owner", "effort"):
         overlays.switch(name, True)
@@ -151,47 +120,37 @@ def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
     assert meshcat.HasPath("/atlas_drake/footsteps/0")
 
 
-def test_displays_read_the_same_in_replay_and_run(run):
-    sim, log = run
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    # The push and the user's arm are in force.
-    context.SetTime(0.11)
-    commands = player.GetOutputPort("commands").Eval(context)
-    assert commands.k_effort[ARM] == 255.0
-    wrenches = player.GetOutputPort("foot_wrenches").Eval(context)
-    weight = wrenches[5] + wrenches[11]
-    assert weight == pytest.approx(9.81 * sim.robot.mass, rel=0.3)
-    row = player.row(context)
-    soles = [log[f"feet.{side}_position"][row] for side in SIDES]
-    cop = center_of_pressure(soles, wrenches)[:2]
-    np.testing.assert_array_equal(cop, log["balance.cop"][row])
-    effort = player.GetOutputPort("effort").Eval(context)
-    np.testing.assert_array_equal(effort, log["joints.effort"][row])
+def test_contact_forces_are_shown_if_the_scenario_asks_for_them(tmp_path):
+    scenario = Scenario(log=LogContent(contacts=True, paths=False))
+    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
+        sim.advance(0.05)
+    log = read_log(tmp_path / "run.mcap")
+    overlays = Overlays(logged_overlays(log.scenario.log))
+    assert overlays.is_on("forces")
+    assert not overlays.is_on("plan")
+    record = Replayed(log).at(0.04)
+    assert record.paths is None
+    weight = sum(contact.force_W[2] for contact in record.contacts)
+    assert weight == pytest.approx(sum(record.feet.loads), rel=0.2)
+    shapes = see(record, log.robot, log.header.catalog, overlays).shapes
+    assert sum(shape.name.startswith("forces") for shape in shapes) == len(
+        record.contacts
+    )
 
 
 def test_terrain_is_shown(log, scenario, meshcat):
-    rough = dataclasses.replace(scenario, terrain=[Block()])
-    text = yaml_dump(as_plain(rough))
-    header = Header("atlas", 0.002, text, log.header.layout)
-    terrain = Log(log.path, header, log.arrays, log.notes)
-    diagram = make_replay(terrain, meshcat)
-    station = diagram.GetSubsystemByName("station")
-    inspector = station.GetSubsystemByName("scene_graph").model_inspector()
+    rough = yaml_dump(as_plain(replace(scenario, terrain=[Block()])))
+    terrain = replace(log, header=replace(log.header, scenario=rough))
+    scene = Replayed(terrain, meshcat=meshcat).station.GetSubsystemByName("scene_graph")
+    inspector = scene.model_inspector()
     names = [inspector.GetName(key) for key in inspector.GetAllGeometryIds()]
     assert any("terrain_0" in name for name in names)
 
 
-def test_a_scenario_that_this_version_cannot_read_is_named(log, meshcat):
-    header = Header("atlas", 0.002, "gravity: up\n", log.header.layout)
+def test_a_scenario_that_this_version_cannot_read_is_named(log):
+    header = replace(log.header, scenario="gravity: up\n")
     with pytest.raises(LogError, match="scenario"):
-        make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
-
-
-def test_a_log_without_a_channel_of_the_report_is_refused(log):
-    arrays = {n: a for n, a in log.arrays.items() if n != "manipulate.clamped"}
-    with pytest.raises(LogError, match=r"without manipulate\.clamped"):
-        LogPlayer(Log(log.path, log.header, arrays, log.notes))
+        make_replay(replace(log, header=header))
 
 
 @pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
@@ -203,68 +162,18 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     step.pose.position.x, step.pose.position.y = 0.1, 0.14
     command.manipulate_params.use_desired = True
     command.manipulate_params.desired.pelvis_height = 0.75
-    sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
+    sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.mcap")
     sim.publish(command)
     sim.advance_to(0.1)
     sim.close()
-    log = read_log(tmp_path / "run.npz")
-    assert np.isfinite(log["balance.dcm_reference"]).all()
+    log = read_log(tmp_path / "run.mcap")
     # The behaviors see the estimate, and so do the log's pelvis and feet.
     assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
-    (marks, caption, words), _live, again = looks_and_outputs(sim, log)
-    assert caption[0].startswith(behavior)
-    assert len(marks) == (1 if behavior == "STEP" else 0)
-    assert words != "ok"
-    feedback = again[2].manipulate_feedback
-    moved = feedback.internal_sensed.pelvis_height != 0.8
+    again = Replayed(log).at(0.1)
+    assert replace(again, paths=None) == sim.record
+    seen = see(again, log.robot, log.header.catalog, Overlays(["flags"]))
+    assert seen.title.startswith(behavior)
+    assert seen.notes[-1] != "ok"
+    assert len(seen.footsteps) == (1 if behavior == "STEP" else 0)
+    moved = again.manipulate.internal_sensed.pelvis_height != 0.8
     assert moved == (behavior == "MANIPULATE")
-
-
-@dataclass(frozen=True)
-class Waited:
-    """Feedback of the behavior below."""
-
-    ticks: int
-    mood: str = "calm"
-
-
-class Waiting(BehaviorProtocol):
-    """Holds the pose and counts its ticks."""
-
-    def __init__(self, tools, config):
-        self._freeze = tools.freeze
-
-    def enter(self, *given):
-        return (0, self._freeze.enter(*given))
-
-    def update(self, state, *given, leaving):
-        outcome = self._freeze.update(state[1], *given, leaving=leaving)
-        return replace(outcome, state=(state[0] + 1, outcome.state))
-
-    def feedback(self, state, status_flags):
-        return Waited(state[0] // 4)
-
-
-@pytest.mark.parametrize("ending", ["npz", "mcap"])
-def test_feedback_of_a_users_behavior_is_logged_and_replayed(tmp_path, ending):
-    entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
-    path = tmp_path / f"run.{ending}"
-    with AtlasSimulation(behaviors=[entry], log=path) as sim:
-        sim.advance(0.05)
-        sim.publish(AtlasSimInterfaceCommand(behavior="WAIT"))
-        sim.advance(0.1)
-        last = sim.atlas_sim_interface_state.feedback
-        sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
-        sim.advance(0.05)
-    log = read_log(path)
-    notes = [note.data["feedback"] for note in log.notes if note.kind == "feedback"]
-    ticks = range(last.ticks + 1)
-    assert notes == [*({"ticks": n, "mood": "calm"} for n in ticks), None]
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    reported = []
-    for time in (0.03, 0.14, 0.19):
-        context.SetTime(time)
-        report = player.GetOutputPort("atlas_sim_interface_state").Eval(context)
-        reported.append(report.feedback)
-    assert reported == [None, asdict(last), None]

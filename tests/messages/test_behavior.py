@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
-from atlas_drake.logs.notes import to_plain
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
+from atlas_drake.records.plain import to_plain
 
 NUMBERS = {
     "NONE": 0,

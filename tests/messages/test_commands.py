@@ -25,6 +25,7 @@ from atlas_drake.messages.commands import (
     log_refusals,
     receive,
 )
+from atlas_drake.messages.event import MESSAGE, REFUSAL
 from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.robot import load_robot
 
@@ -62,6 +63,11 @@ def sent(force, robot, atlas=None, sim=None, time=1.0):
     number = force.received + 1
     ports = [NOTHING if one is None else Sent(one, number) for one in (atlas, sim)]
     return latch(force, *ports, robot, time)
+
+
+def refusals(force):
+    """The events of the refused messages."""
+    return [event for event in force.events if event.kind == REFUSAL]
 
 
 def assert_in_force(force, command):
@@ -125,7 +131,7 @@ def test_an_array_comes_into_force_and_leaves_the_others(
     setattr(command, field, values)
     port = "sim" if kind is AtlasSimInterfaceCommand else "atlas"
     after = sent(before, robot, **{port: command})
-    assert after.error_code is ErrorCode.NO_ERRORS, after.refusals
+    assert after.error_code is ErrorCode.NO_ERRORS, refusals(after)
     assert after.request.number == (after.received if port == "sim" else 0)
     expected = copy.deepcopy(everything)
     setattr(expected, field, values)
@@ -152,10 +158,14 @@ def test_a_bad_array_refuses_the_whole_command(robot, start, everything, field):
     assert_only_the_error_is_new(after, before)
     assert after.error_code is ErrorCode.VALUE_OUT_OF_RANGE
     assert after.refused == 1
-    (refusal,) = after.refusals
+    (refusal,) = refusals(after)
     assert refusal.time == 4.0
-    assert refusal.error_code is ErrorCode.VALUE_OUT_OF_RANGE
     assert field in refusal.text
+    assert refusal.data == {
+        "number": after.received,
+        "command": "AtlasCommand",
+        "field": field,
+    }
 
 
 def test_integral_bounds_must_not_cross_those_in_force(robot, start):
@@ -171,8 +181,8 @@ def test_integral_bounds_must_not_cross_those_in_force(robot, start):
         assert_only_the_error_is_new(after, before)
         assert after.error_code is ErrorCode.VALUE_OUT_OF_RANGE
         # The message is told of its own field and of the joint.
-        assert f"{field}[5]" in after.refusals[-1].text
-        assert robot.joint_names[5] in after.refusals[-1].text
+        assert f"{field}[5]" in after.events[-1].text
+        assert robot.joint_names[5] in after.events[-1].text
 
 
 def test_both_integral_bounds_may_pass_the_ones_in_force(robot, start):
@@ -295,12 +305,14 @@ def test_an_equal_message_is_new_only_with_another_stamp_or_if_sent_again(robot,
 def test_a_message_passed_directly_is_always_new(robot, start):
     message = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
     force = latch(start, NOTHING, message, robot, 1.0)
-    force = receive(force, accept(message, robot), robot, 1.0)
+    force, refusal = receive(force, accept(message, robot), robot, 1.0)
+    assert refusal is None
     assert [request.number for request in force.requests] == [0, 1, 2]
     # What is on the port has been received already, and so counts no second time.
     assert latch(force, NOTHING, message, robot, 1.0) is force
-    refusal = accept(AtlasCommand(k_effort=[300]), robot)
-    refused = receive(force, refusal, robot, 2.0)
+    outcome = accept(AtlasCommand(k_effort=[300]), robot)
+    refused, refusal = receive(force, outcome, robot, 2.0)
+    assert refusal == outcome
     assert (refused.received, refused.refused) == (3, 1)
     assert refused.request is force.request
 
@@ -312,7 +324,7 @@ def test_a_message_that_changes_on_its_port_is_new(robot, start):
     force = latch(force, command, NOTHING, robot, 2.0)
     assert force.received == 2
     assert force.joints.position[3] == 0.5
-    assert force.messages[0].message.position[3] == 0.0
+    assert force.events[0].data["message"].position[3] == 0.0
 
 
 def test_time_must_not_run_backward_for_either_kind(robot, start):
@@ -321,14 +333,15 @@ def test_time_must_not_run_backward_for_either_kind(robot, start):
     sim = AtlasSimInterfaceCommand(Header(4.0), behavior=Behavior.STAND)
     force = sent(force, robot, sim=sim)
     assert force.error_code is ErrorCode.NO_ERRORS
-    late = sent(force, robot, AtlasCommand(Header(4.9), position=[0.0] * 28))
-    assert_only_the_error_is_new(late, force)
-    assert late.error_code is ErrorCode.TIME_RAN_BACKWARD
-    late = sent(
-        force, robot, sim=AtlasSimInterfaceCommand(Header(3.9), behavior=Behavior.WALK)
-    )
-    assert_only_the_error_is_new(late, force)
-    assert late.error_code is ErrorCode.TIME_RAN_BACKWARD
+    for message in (
+        AtlasCommand(Header(4.9), position=[0.0] * 28),
+        AtlasSimInterfaceCommand(Header(3.9), behavior=Behavior.WALK),
+    ):
+        # The door knows nothing of the time; what is in force refuses the message.
+        late, refusal = receive(force, accept(message, robot), robot, 1.0)
+        assert_only_the_error_is_new(late, force)
+        assert late.error_code is refusal.error_code is ErrorCode.TIME_RAN_BACKWARD
+        assert refusal.field == "header.stamp"
 
 
 def test_a_message_without_stamp_was_sent_now(robot, start):
@@ -337,36 +350,40 @@ def test_a_message_without_stamp_was_sent_now(robot, start):
     assert refused.error_code is ErrorCode.TIME_RAN_BACKWARD
 
 
-def test_an_accepted_message_clears_the_error_but_not_the_log(robot, start):
-    refused = sent(start, robot, AtlasCommand(position=[0.0]))
-    assert refused.error_code is not ErrorCode.NO_ERRORS
-    after = sent(refused, robot, sim=AtlasSimInterfaceCommand(behavior=Behavior.STAND))
-    assert after.error_code is ErrorCode.NO_ERRORS
-    assert after.refusals == refused.refusals
+def test_each_message_is_an_event_and_a_good_one_clears_the_error_alone(robot, start):
+    bad, good = AtlasCommand(position=[0.0]), AtlasCommand(position=[0.1] * 28)
+    stand = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    force = sent(start, robot, bad, time=1.0)
+    assert force.error_code is not ErrorCode.NO_ERRORS
+    for time, message in ((1.0, good), (2.0, stand)):
+        kind = "sim" if message is stand else "atlas"
+        force = sent(force, robot, **{kind: message}, time=time)
+    assert force.error_code is ErrorCode.NO_ERRORS
+    assert (force.received, force.refused) == (3, 1)
+    assert [(event.kind, event.time) for event in force.events] == [
+        (REFUSAL, 1.0),
+        (MESSAGE, 1.0),
+        (MESSAGE, 2.0),
+    ]
+    assert [event.data["number"] for event in force.events] == [1, 2, 3]
+    kept = [event.data.get("message") for event in force.events]
+    assert kept == [None, accept(good, robot).message, accept(stand, robot).message]
 
 
-@pytest.mark.parametrize("kind", ["messages", "refusals", "requests"])
-def test_entries_of_the_last_moments_are_all_kept_and_older_ones_dropped(
-    robot, start, kind
-):
+def test_entries_of_the_last_moments_are_all_kept_and_older_ones_dropped(robot, start):
     force = start
-    bad = kind == "refusals"
-    for _ in range(3 * KEPT):
-        command = AtlasSimInterfaceCommand(behavior="WALLK" if bad else "STAND")
+    for number in range(6 * KEPT):
+        behavior = "WALLK" if number % 2 else "STAND"
+        command = AtlasSimInterfaceCommand(behavior=behavior)
         force = sent(force, robot, sim=command, time=1.0)
-    assert len(getattr(force, kind)) >= 3 * KEPT
-    assert not bad or force.refused == 3 * KEPT
-    later = sent(force, robot, sim=command, time=2.0)
-    assert len(getattr(later, kind)) == KEPT
-    assert getattr(later, kind)[-1].time == 2.0
-
-
-def test_a_reader_ahead_of_the_count_gets_nothing(robot, start):
-    """As after a step back in time, to an older Context."""
-    force = sent(start, robot, AtlasCommand(position=[0.0]))
-    assert force.messages_since(7) == ()
-    assert force.refusals_since(7) == ()
-    assert len(force.messages_since(0)) == 1
+    assert force.refused == len(refusals(force)) == 3 * KEPT
+    assert force.received == len(force.events) == 6 * KEPT
+    assert len(force.requests) >= 3 * KEPT
+    stand = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    later = sent(force, robot, sim=stand, time=2.0)
+    for entries in (later.events, later.requests):
+        assert len(entries) == KEPT
+        assert entries[-1].time == 2.0
 
 
 def test_each_fault_is_logged_at_intervals_and_again_when_time_went_back(
@@ -380,7 +397,7 @@ def test_each_fault_is_logged_at_intervals_and_again_when_time_went_back(
         # The values may change: a fault is one of a field.
         gain, velocity = [-1.0 * count] * 28, [0.0] * count
         for fault in (AtlasCommand(kp_velocity=gain), AtlasCommand(velocity=velocity)):
-            force = receive(force, accept(fault, robot), robot, time)
+            force, _ = receive(force, accept(fault, robot), robot, time)
         log_refusals(before, force)
         assert len(caplog.records) == heard, time
         names = ("kp_velocity", "velocity")

@@ -50,7 +50,7 @@ def test_drakes_atlas_has_thirty_joints(robot):
 
 def test_the_sole_spans_the_contact_points(robot):
     text = robot.urdf.read_text()
-    frame = robot.make_plant().GetFrameByName("l_foot_sole")
+    frame = robot.plant.GetFrameByName("l_foot_sole")
     x, y, z = frame.GetFixedPoseInBodyFrame().translation()
     half_length, half_width = 0.5 * robot.file.sole.length, 0.5 * robot.file.sole.width
     for corner_x in (x - half_length, x + half_length):
@@ -59,7 +59,7 @@ def test_the_sole_spans_the_contact_points(robot):
 
 
 def test_fixed_bodies_belong_to_their_link(robot):
-    plant = robot.make_plant()
+    plant = robot.plant
     hands = robot.hand_bodies(plant)
     for side, palm in enumerate(("left_palm", "right_palm")):
         assert hands[int(plant.GetBodyByName(palm).index())] == side

@@ -154,7 +154,7 @@ def test_a_copy_of_the_models_is_used(copied, tmp_path, monkeypatch):
     monkeypatch.setenv(LOCAL_MODELS, str(folder.parent))
     robot = load_robot(path)
     assert robot.urdf == folder / "heron.urdf"
-    assert robot.make_plant().num_actuators() == 15
+    assert robot.plant.num_actuators() == 15
     (folder / "head.gltf").unlink()
     with pytest.raises(RobotDescriptionError, match=r"head\.gltf.*not exist"):
         load_robot(path)
@@ -165,6 +165,6 @@ def test_drakes_warning_about_a_urdf_is_given_once(copied, caplog):
     path = copied(('<axis xyz="0 1 0" />', unknown))
     with caplog.at_level(logging.WARNING, logger="drake"):
         robot = load_robot(path)
-        robot.make_plant()
+        assert robot.plant.is_finalized()
     (warning,) = [r for r in caplog.records if "safety_controller" in r.getMessage()]
     assert "heron.urdf" in warning.getMessage()

@@ -161,7 +161,7 @@ def test_a_run_that_cannot_begin_changes_nothing(sim, asked, error, problem):
 
 
 def test_a_log_holds_one_run(tmp_path):
-    with AtlasSimulation(jittered(1), log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(jittered(1), log=tmp_path / "run.mcap") as sim:
         sim.advance(0.02)
         with pytest.raises(ScenarioError, match="one run"):
             sim.reset(seed=2)

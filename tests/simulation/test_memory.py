@@ -38,7 +38,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
                 start=Start(harnessed=True),
             ),
             view=meshcat,
-            log=tmp_path / "run.npz",
+            log=tmp_path / "run.mcap",
         )
         sim.advance(0.02)
         parts = [sim, meshcat, sim.simulator, *parts_of(sim.diagram)]
@@ -52,7 +52,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
     gc.collect()
     left = [name for name, part in zip(names, alive, strict=True) if part()]
     assert left == []
-    assert {"Harness", "StateEstimator", "MeshcatView", "LogRecorder"} <= {*names}
+    assert {"Harness", "StateEstimator", "MeshcatView", "RecordListener"} <= {*names}
     for name, count in threads_and_files().items():
         assert count <= before[name], name  # Of another test's, some may go as well.
     with socket.socket() as free:
@@ -61,10 +61,12 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
 
 
 def test_every_system_of_this_package_can_be_freed():
-    for name in ("visualization.meshcat_view", "visualization.video_display"):
+    for name in (
+        "logs.log_player",
+        "visualization.meshcat_view",
+        "visualization.video_display",
+    ):
         importlib.import_module(f"atlas_drake.{name}")
-    for name in ("log_player", "recorder"):
-        importlib.import_module(f"atlas_drake.logs.{name}")
     ours = [
         kind
         for kind in LeafSystem.__subclasses__()

@@ -59,7 +59,7 @@ def sim(shared):
         ),
         ({"on_event": "print"}, "on_event must be a callable"),
         ({"log": True}, "log must be the name of a file, is True"),
-        ({"log": b"run.npz"}, "log must be the name of a file, is b'run.npz'"),
+        ({"log": b"run.mcap"}, "log must be the name of a file, is b'run.mcap'"),
     ],
 )
 def test_an_argument_of_the_wrong_type_is_named(arguments, words):
@@ -335,7 +335,7 @@ def test_no_message_of_another_thread_is_lost(tmp_path):
                 stamp = sim.atlas_state.header.stamp  # Reading waits for a pause.
                 assert 0.0 <= stamp <= sim.time
 
-    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
         thread = threading.Thread(target=send)
         thread.start()
         try:
@@ -345,7 +345,7 @@ def test_no_message_of_another_thread_is_lost(tmp_path):
             thread.join()
         assert sim.output("commands").received == len(sent)
         sim.advance(0.01)
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert [command.message.effort[0] for command in log.commands] == sent
     assert len(sent) > 100
 
@@ -493,7 +493,7 @@ def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
     sim = AtlasSimulation(
         Scenario(),
         on_event=on_event,
-        log=tmp_path / "run.npz",
+        log=tmp_path / "run.mcap",
     )
     sim.diagram.GetInputPort("atlas_command").FixValue(
         sim.context, AtlasCommand(position=[0.0])
@@ -505,17 +505,17 @@ def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
     kinds = [event.kind for event in sim.events]
     assert {"refusal", "behavior"} <= set(kinds)
     sim.close()
-    assert [event.kind for event in read_log(tmp_path / "run.npz").events] == kinds
+    assert [event.kind for event in read_log(tmp_path / "run.mcap").events] == kinds
 
 
 def test_messages_after_the_last_advance_are_in_events_and_log(tmp_path):
-    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.mcap") as sim:
         sim.advance(0.01)
         sim.publish(AtlasCommand())
         with pytest.raises(InvalidMessageError):
             sim.publish(AtlasCommand(position=[0.0]))
         assert [event.kind for event in sim.events] == ["refusal"]
-    log = read_log(tmp_path / "run.npz")
+    log = read_log(tmp_path / "run.mcap")
     assert [command.message for command in log.commands] == [AtlasCommand()]
     assert [event.kind for event in log.events] == ["refusal"]
 
@@ -575,7 +575,7 @@ def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
 
 
 def test_steps_read_as_they_were_given(tmp_path):
-    path = tmp_path / "run.npz"
+    path = tmp_path / "run.mcap"
     with AtlasSimulation(Scenario(physics_step=0.003), log=path) as sim:
         sim.advance(0.02)
         summary = sim.summary()

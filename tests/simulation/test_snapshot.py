@@ -121,7 +121,7 @@ def test_a_run_that_goes_another_way_leaves_the_moment_alone(sim):
 def test_what_cannot_be_restored_changes_nothing(sim, tmp_path):
     snapshot = sim.snapshot()
     sim.advance(0.02)
-    other = AtlasSimulation(log=tmp_path / "run.npz")
+    other = AtlasSimulation(log=tmp_path / "run.mcap")
     with pytest.raises(ScenarioError, match="one run"):
         other.restore(other.snapshot())
     other.close()

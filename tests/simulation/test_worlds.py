@@ -28,7 +28,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
 @pytest.mark.slow
 @pytest.mark.parametrize("name", available_worlds())
 def test_the_robot_stands_in_every_world(name, tmp_path):
-    log = tmp_path / "run.npz"
+    log = tmp_path / "run.mcap"
     sim = AtlasSimulation(Scenario(world=name), log=log)
     boxes = sim.scenario.all_terrain()
     inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()

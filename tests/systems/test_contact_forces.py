@@ -20,8 +20,8 @@ from atlas_drake import AtlasSimulation, Scenario, SimulationError
 from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.scenario import with_settings
 from atlas_drake.scenario.drake_configs import plant_config
+from atlas_drake.systems.contact_forces import contact_forces
 from atlas_drake.systems.robot_sensors import contact_wrenches, shapes_of
-from atlas_drake.visualization.overlay_shapes import contact_forces_of
 
 HERON = Path(__file__).parents[1] / "robots/heron"
 
@@ -84,7 +84,7 @@ def check_sensors(sim, push):
     assert np.linalg.norm(exerted[3:5]) > 0.1 * push
     np.testing.assert_allclose(total, exerted, atol=1e-6)
     inspector = sim.output("query_object").inspector()
-    forces = contact_forces_of(results, inspector)
+    forces = contact_forces(results, inspector)
     arrows = np.sum([force.force_W for force in forces], axis=0)
     np.testing.assert_allclose(arrows, exerted[3:], atol=20.0)
     return results
@@ -118,6 +118,6 @@ def test_an_arrow_points_down_where_friction_does():
     simulator.Initialize()
     query = plant.get_geometry_query_input_port().Eval(context)
     results = plant.get_contact_results_output_port().Eval(context)
-    (force,) = contact_forces_of(results, query.inspector())
+    (force,) = contact_forces(results, query.inspector())
     assert force.force_W[2] < 0.0
     assert force.force_W @ R_WS.matrix()[:, 2] > 0.0

@@ -49,7 +49,7 @@ def remembered(diagram, context):
     estimates = ("estimated_state", "estimation_error")
     outputs = {
         name: diagram.GetOutputPort(name).Eval(context)
-        for name in ("effort", "extremes", "imu", "atlas_state", "sent", *estimates)
+        for name in ("effort", "peaks", "imu", "atlas_state", "sent", *estimates)
     }
     report = diagram.GetOutputPort("atlas_sim_interface_state").Eval(context)
     status = diagram.GetOutputPort("controller_status").Eval(context)
@@ -57,7 +57,7 @@ def remembered(diagram, context):
     return [
         context.get_time(),
         np.concatenate(numbers).tobytes(),
-        *(outputs[name].tobytes() for name in ("effort", "extremes", *estimates)),
+        *(outputs[name].tobytes() for name in ("effort", "peaks", *estimates)),
         outputs["imu"],
         outputs["atlas_state"],
         outputs["sent"],

@@ -15,7 +15,7 @@ def test_at_the_ends_one_side_has_the_joint_alone(k, owner):
 
 
 def test_the_system_blends_per_joint_and_in_the_plants_order(robot):
-    plant = robot.make_plant()
+    plant = robot.plant
     selector = EffortSelector(robot, robot.indices(plant))
     context = selector.CreateDefaultContext()
     random = np.random.default_rng(3)

@@ -89,7 +89,7 @@ class Bench:
 @pytest.fixture(scope="module")
 def parts(robot):
     """The plant and the system, whose state is in a context of each test."""
-    plant = robot.make_plant()
+    plant = robot.plant
     indices, count = robot.indices(plant), plant.num_positions()
     return plant, JointPidBank(robot, indices, count, PHYSICS_STEP, CONTROL_PERIOD)
 

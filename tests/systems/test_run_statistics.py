@@ -10,8 +10,8 @@ TICK = 0.01
 """[s]"""
 
 
-def test_extremes_are_peaks_in_message_order(robot):
-    plant = robot.make_plant()
+def test_peaks_are_peaks_in_message_order(robot):
+    plant = robot.plant
     indices = robot.indices(plant)
     system = RunStatistics(robot, indices, plant.num_multibody_states(), TICK)
     simulator = Simulator(system)
@@ -32,5 +32,5 @@ def test_extremes_are_peaks_in_message_order(robot):
         simulator.AdvanceTo((tick + 0.5) * TICK)
     peaks = np.zeros(robot.num_joints)
     peaks[elbow] = 0.5
-    extremes = system.GetOutputPort("extremes").Eval(context)
-    assert extremes == pytest.approx([*peaks, 0.7, 0.4])
+    found = system.GetOutputPort("peaks").Eval(context)
+    assert found == pytest.approx([*peaks, 0.7, 0.4])

@@ -7,19 +7,18 @@ import pytest
 
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
+    AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
-    AtlasSimInterfaceState,
     Behavior,
+    StepStatus,
     WalkStatus,
 )
-from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.robot import SoleSize
+from atlas_drake.systems.tick_recorder import KEPT_LANDINGS, landed_among
 from atlas_drake.visualization.footsteps import (
-    KEPT,
     FootstepMark,
     Kind,
     footstep_marks,
@@ -38,23 +37,31 @@ def step(index, x, y=0.1, yaw=0.0, z=0.0):
     return data
 
 
-def walking(steps, taken=(), current=0, behavior=Behavior.WALK):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    report = AtlasSimInterfaceState()
-    report.current_behavior = behavior
-    report.walk_feedback.status_flags = WalkStatus.SUBSTATE_SWAYING
-    report.walk_feedback.current_step_index = current
-    for place, data in enumerate(steps):
-        command.walk_params.step_queue[place] = data
-    for place, data in enumerate(taken or steps):
-        report.walk_feedback.step_queue_saturated[place] = data
-    return BehaviorRequest(behavior, command, 1), report
+@pytest.fixture
+def marks(record_of):
+    """Gives the marks of a walk with these steps, as sent and as they are taken."""
 
+    def marks(
+        steps, taken=(), *, current=0, landed=(), behavior=Behavior.WALK, walks=True
+    ):
+        command = AtlasSimInterfaceCommand(behavior=behavior)
+        feedback = AtlasBehaviorWalkFeedback(current_step_index=current)
+        feedback.status_flags = WalkStatus.SUBSTATE_SWAYING
+        for place, data in enumerate(steps):
+            command.walk_params.step_queue[place] = data
+        for place, data in enumerate(taken or steps):
+            feedback.step_queue_saturated[place] = data
+        if not walks:
+            behavior, feedback = Behavior.STAND, AtlasBehaviorWalkFeedback()
+        record = record_of(
+            behavior={"current": behavior},
+            request=command,
+            walk=feedback,
+            landed=tuple(landed),
+        )
+        return footstep_marks(record)
 
-def leave(report, behavior):
-    report.current_behavior = behavior
-    report.walk_feedback = AtlasBehaviorWalkFeedback()
+    return marks
 
 
 def landed(index, commanded, saturated=None, at=None, z=0.0):
@@ -65,46 +72,59 @@ def landed(index, commanded, saturated=None, at=None, z=0.0):
 
 
 @pytest.mark.parametrize("behavior", [Behavior.WALK, Behavior.named(160, "MY_WALK")])
-def test_steps_to_come_are_drawn_where_commanded(behavior):
+def test_steps_to_come_are_drawn_where_commanded(behavior, marks):
     steps = [step(1, 0.25, yaw=0.2), step(2, 0.5, -0.1)]
-    request, report = walking(steps, behavior=behavior)
-    assert footstep_marks(request, report, [], Plan()) == [
+    assert marks(steps, behavior=behavior) == [
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.2),
         FootstepMark(Kind.COMMANDED, 1, 0.5, -0.1, 0.0),
     ]
     # Also a step of an earlier message, and none unless Atlas walks.
-    request, report = walking(steps[1:], taken=steps, behavior=behavior)
-    marks = footstep_marks(request, report, [], Plan())
-    assert {(m.kind, m.foot) for m in marks} == {
+    found = marks(steps[1:], taken=steps, behavior=behavior)
+    assert {(m.kind, m.foot) for m in found} == {
         (Kind.COMMANDED, 0),
         (Kind.COMMANDED, 1),
     }
-    leave(report, Behavior.STAND)
-    assert footstep_marks(request, report, [], Plan()) == []
+    assert marks(steps, walks=False) == []
 
 
-def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
-    request, report = walking([step(1, 0.9)], taken=[step(1, 0.42)])
-    marks = footstep_marks(request, report, [], Plan())
-    assert [mark.kind for mark in marks] == [Kind.COMMANDED, Kind.SATURATED]
-    assert marks[1].x == pytest.approx(0.42, abs=0.005)
+def test_a_walk_that_nobody_requested_is_drawn_as_it_is_taken(record_of):
+    feedback = AtlasBehaviorWalkFeedback(status_flags=WalkStatus.SUBSTATE_SWAYING)
+    feedback.step_queue_saturated[0] = step(1, 0.26)
+    (mark,) = footstep_marks(record_of(request=None, walk=feedback))
+    assert (mark.kind, mark.x) == (Kind.COMMANDED, pytest.approx(0.26))
+
+
+def test_the_step_of_step_is_drawn_while_it_is_taken(record_of):
+    feedback = AtlasBehaviorStepFeedback(
+        t_step_rem=0.3, status_flags=StepStatus.SUBSTATE_STEPPING
+    )
+    feedback.desired_step_saturated = step(2, 0.2, -0.1, z=0.05)
+    record = record_of(behavior={"current": Behavior.STEP}, step=feedback)
+    assert footstep_marks(record) == [
+        FootstepMark(Kind.COMMANDED, 1, 0.2, -0.1, 0.0, 0.05)
+    ]
+    feedback.t_step_rem = 0.0  # It waits for the next one.
+    assert footstep_marks(record) == []
+
+
+def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice(marks):
+    found = marks([step(1, 0.9)], taken=[step(1, 0.42)])
+    assert [mark.kind for mark in found] == [Kind.COMMANDED, Kind.SATURATED]
+    assert found[1].x == pytest.approx(0.42, abs=0.005)
     # Unless the correction is small.
-    request, report = walking([step(1, 0.25)], taken=[step(1, 0.255)])
-    marks = footstep_marks(request, report, [], Plan())
-    assert [mark.kind for mark in marks] == [Kind.COMMANDED]
+    found = marks([step(1, 0.25)], taken=[step(1, 0.255)])
+    assert [mark.kind for mark in found] == [Kind.COMMANDED]
 
 
-def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
+def test_steps_are_drawn_at_the_height_at_which_they_are_taken(marks):
     # The pelvis' height, as the tutorial sends it, says nothing of the ground.
-    request, report = walking(
+    found = marks(
         [step(2, 0.5, z=0.9), step(3, 0.9, z=0.9)],
         taken=[step(2, 0.5, z=0.05), step(3, 0.7, z=0.1)],
         current=2,
+        landed=[landed(1, [0.25, 0.1, 0.0], z=0.03)],
     )
-    marks = footstep_marks(
-        request, report, [landed(1, [0.25, 0.1, 0.0], z=0.03)], Plan()
-    )
-    assert [(m.kind, m.z) for m in marks] == [
+    assert [(m.kind, m.z) for m in found] == [
         (Kind.LANDED, 0.03),
         (Kind.COMMANDED, 0.03),
         (Kind.COMMANDED, 0.05),
@@ -113,44 +133,39 @@ def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
     ]
 
 
-def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded():
+def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded(marks):
     event = landed(1, [0.25, 0.1, 0.0], at=[0.26, 0.1, 0.0])
-    request, report = walking([step(1, 0.25), step(2, 0.5)], current=2)
-    marks = footstep_marks(request, report, [event], Plan())
-    assert marks[:2] == [
+    found = marks([step(1, 0.25), step(2, 0.5)], current=2, landed=[event])
+    assert found[:2] == [
         FootstepMark(Kind.LANDED, 0, 0.26, 0.1, 0.0),
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.0),
     ]
     # Step 1 is over: what is left to come is step 2 alone.
-    assert [mark.foot for mark in marks[2:]] == [1]
+    assert [mark.foot for mark in found[2:]] == [1]
 
 
-def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
-    event = landed(1, [0.25, 0.1, 0.0], saturated=[0.2, 0.1, 0.0])
-    request, report = walking([step(1, 0.25)], current=2)
-    before = set(footstep_marks(request, report, [event], Plan()))
-    leave(report, Behavior.STAND)
-    assert set(footstep_marks(request, report, [event], Plan())) == before
+def test_landed_steps_look_the_same_before_and_after_the_walk_ends(marks):
+    events = [landed(1, [0.25, 0.1, 0.0], saturated=[0.2, 0.1, 0.0])]
+    before = set(marks([step(1, 0.25)], current=2, landed=events))
+    assert set(marks([step(1, 0.25)], landed=events, walks=False)) == before
     assert {mark.kind for mark in before} == set(Kind)
 
 
 @pytest.mark.parametrize("behavior", [Behavior.STAND, Behavior.named(100, "MARCH")])
-def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
-    request, report = walking([])
-    leave(report, behavior)
-    plan = Plan(footsteps=(Footstep(1, 1, np.array([0.301, -0.1, 0.1]), 0.2),))
-    assert footstep_marks(request, report, [], plan) == [
+def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior, record_of):
+    planned = Footstep(1, 1, np.array([0.301, -0.1, 0.1]), 0.2)
+    record = record_of(behavior={"current": behavior}, footsteps=(planned,))
+    assert footstep_marks(record) == [
         FootstepMark(Kind.COMMANDED, 1, 0.3, -0.1, 0.21, 0.1)
     ]
 
 
-def test_only_the_latest_landed_steps_are_drawn():
-    request, report = walking([])
-    events = [landed(i, [0.1 * i, 0.1, 0.0]) for i in range(1, KEPT + 11)]
+def test_only_the_latest_landed_steps_are_drawn(marks):
+    events = [landed(i, [0.1 * i, 0.1, 0.0]) for i in range(1, KEPT_LANDINGS + 11)]
     other = [Event(0.0, "behavior", "STAND -> WALK")]
-    marks = footstep_marks(request, report, [*events, *other], Plan())
-    shown = [mark.x for mark in marks if mark.kind is Kind.LANDED]
-    assert len(shown) == KEPT
+    found = marks([], landed=landed_among([*events, *other]))
+    shown = [mark.x for mark in found if mark.kind is Kind.LANDED]
+    assert len(shown) == KEPT_LANDINGS
     assert min(shown) == pytest.approx(1.1)
 
 

@@ -4,15 +4,10 @@ import numpy as np
 import pytest
 from pydrake.geometry import Meshcat
 
-from atlas_drake import AtlasSimulation
-from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
 from atlas_drake.errors import ScenarioError
-from atlas_drake.logs.balance_figures import _TRACKS
-from atlas_drake.messages import (
-    AtlasSimInterfaceCommand,
-    Behavior,
-)
-from atlas_drake.messages.controller_status import Plan, PlannedPaths
+from atlas_drake.messages.behavior_catalog import SHIPPED
+from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.palette import (
     BEHAVIOR,
     BUSY,
@@ -26,8 +21,9 @@ from atlas_drake.palette import (
     SUPPORT,
     SWING,
     USER,
-    hex_color,
 )
+from atlas_drake.records.tick_record import ContactForce
+from atlas_drake.scenario.scenario import LogContent
 from atlas_drake.visualization.control_colors import (
     COVER,
     effort_colors,
@@ -37,12 +33,17 @@ from atlas_drake.visualization.overlay_marks import PATH, pose_and_length
 from atlas_drake.visualization.overlay_shapes import (
     DRAWN,
     FORCE_SCALE,
-    ContactForce,
     ShapeKind,
-    contact_forces_of,
     overlay_shapes,
 )
-from atlas_drake.visualization.overlays import LOGGED, Overlays, overlays_from
+from atlas_drake.visualization.overlays import (
+    OVERLAYS,
+    Overlays,
+    logged_overlays,
+    overlays_from,
+    why_not_logged,
+)
+from atlas_drake.visualization.seen import see
 from atlas_drake.visualization.shapes import SIDES, thinned, tube
 
 SHAPES = {
@@ -61,33 +62,36 @@ SHAPES = {
 LINK = "/drake/visualizer/atlas/l_uarm/atlas/l_uarm_visual"
 SWINGING = 1.5
 """When a foot is in the air if WALK is asked for at the start [s]."""
+AHEAD = np.array([[0.0, 0.0], [0.1, 0.0]])
+PATHS = PlannedPaths(com=AHEAD, dcm=AHEAD, swing=[[0.0, 0.1, 0.0], [0.1, 0.1, 0.1]])
+PUSHING = ContactForce(np.array([0.1, 0.2, 0.0]), np.array([30.0, -40.0, 120.0]))
 
 
-def walking(meshcat, overlays):
-    sim = AtlasSimulation(view=meshcat, overlays=overlays)
-    command = AtlasSimInterfaceCommand()
-    command.behavior = Behavior.WALK
-    command.walk_params.use_demo_walk = True
-    sim.publish(command)
-    return sim
+@pytest.fixture(scope="module")
+def stepping(record_of):
+    """A record in which every overlay has something to show."""
+    return record_of(paths=PATHS, contacts=(PUSHING,))
 
 
 def test_overlays_are_known_by_name():
     assert overlays_from("com, dcm") == ["com", "dcm"]
     assert overlays_from("none") == []
-    Overlays(overlays_from("all"))
-    with pytest.raises(ScenarioError, match="Did you mean 'swing'"):
+    overlays = Overlays(overlays_from("all"))
+    assert [n for n in OVERLAYS if not overlays.is_on(n)] == ["effort"]
+    overlays.switch("effort", True)  # A link has one color.
+    assert not overlays.is_on("owner")
+    with pytest.raises(ScenarioError, match="'swing'"):
         overlays_from("swings")
-    assert "effort" not in overlays_from("all", LOGGED)
-    with pytest.raises(ScenarioError, match="not in a log"):
-        overlays_from("com,forces", LOGGED)
 
 
-@pytest.fixture(scope="module")
-def standing():
-    sim = AtlasSimulation()
-    sim.advance(0.2)
-    return sim
+def test_a_replay_has_the_overlays_that_its_log_has_values_for():
+    assert {*OVERLAYS} == {*logged_overlays(LogContent(paths=True, contacts=True))}
+    lacking = {"plan": "paths", "swing": "paths", "forces": "contacts"}
+    bare = logged_overlays(LogContent(paths=False, contacts=False))
+    assert {*OVERLAYS} - {*bare} == lacking.keys()
+    for name, field in lacking.items():
+        assert name in why_not_logged(name)
+        assert f"log.{field}" in why_not_logged(name)
 
 
 def test_a_tube_has_its_radius_everywhere():
@@ -125,86 +129,81 @@ def test_a_rod_points_from_its_tail_to_its_tip():
     np.testing.assert_allclose(X_WA @ np.array([0.0, 0.0, length]), tip)
 
 
-def test_overlays_are_shapes_from_the_ground_up(standing):
-    model = WholeBodyModel(standing.robot)
-    terms = model.evaluate(model.create_context(), standing.output("state"))
-    ahead = np.array([[0.0, 0.0], [0.1, 0.0]])
-    rising = np.array([[0.0, 0.1, 0.0], [0.1, 0.1, 0.1]])
-    force = ContactForce(np.array([0.1, 0.2, 0.0]), np.array([30.0, -40.0, 120.0]))
-    shapes = overlay_shapes(
-        DRAWN,
-        terms,
-        standing.output("controller_status").plan,
-        PlannedPaths(com=ahead, dcm=ahead, swing=rising),
-        standing.output("foot_wrenches"),
-        [force],
-    )
-    assert {shape.name: shape.color for shape in shapes} == SHAPES
-    assert [shape.name for shape in shapes] == [*SHAPES]
+def test_overlays_are_shapes_from_the_ground_up(stepping):
+    shapes, com = overlay_shapes(DRAWN, stepping), stepping.balance.com
+    assert [(shape.name, shape.color) for shape in shapes] == [*SHAPES.items()]
     at = {shape.name: shape for shape in shapes}
-    np.testing.assert_allclose(at["com_ball"].points[0], terms.com)
-    np.testing.assert_allclose(at["com_line"].points[1], terms.com)
-    np.testing.assert_allclose(at["com"].points[0, :2], terms.com[:2])
-    np.testing.assert_array_equal(at["swing"].points, rising)
+    np.testing.assert_allclose(at["com_ball"].points[0], com)
+    np.testing.assert_allclose(at["com_line"].points[1], com)
+    np.testing.assert_allclose(at["com"].points[0, :2], com[:2])
+    np.testing.assert_allclose(at["dcm"].points[0, :2], stepping.balance.dcm)
+    np.testing.assert_array_equal(at["swing"].points, PATHS.swing)
     tail, tip = at["forces/0"].points
     assert at["forces/0"].kind is ShapeKind.ARROW
-    np.testing.assert_allclose(tail, force.p_WC)
-    np.testing.assert_allclose(tip - tail, FORCE_SCALE * force.force_W)
+    np.testing.assert_allclose(tail, PUSHING.p_WC)
+    np.testing.assert_allclose(tip - tail, FORCE_SCALE * PUSHING.force_W)
     for name in ("support", "plan_com", "com", "dcm", "cop"):
         assert 0.0 < at[name].points[0, 2] < 0.02, name
 
 
-def test_overlays_without_values_have_no_shapes(standing):
-    model = WholeBodyModel(standing.robot)
-    terms = model.evaluate(model.create_context(), standing.output("state"))
-    nothing = Plan(), PlannedPaths(), np.zeros(12), []
-    shapes = overlay_shapes(DRAWN - {"com", "dcm"}, terms, *nothing)
-    assert shapes == []
+def test_overlays_without_values_have_no_shapes(record_of):
+    balance = {"cop": None, "support": None}
+    for paths, contacts in ((None, None), (PlannedPaths(), ())):
+        record = record_of(balance=balance, paths=paths, contacts=contacts)
+        assert overlay_shapes(DRAWN - {"com", "dcm"}, record) == []
 
 
-def test_the_ground_carries_a_standing_robot_without_a_path(standing):
-    forces = contact_forces_of(
-        standing.output("contact_results"), standing.output("query_object").inspector()
-    )
-    weight = sum(force.force_W[2] for force in forces)
-    assert len(forces) == 8
-    assert weight == pytest.approx(standing.robot.mass * 9.81, rel=0.2)
-    plan = standing.output("controller_status").plan
-    assert plan.support.shape[1] == 2
-    assert standing.output("planned_paths") == PlannedPaths()
-    np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
+def test_a_view_shows_what_is_switched_on(sim, stepping):
+    def seen(*names):
+        return see(stepping, sim.robot, SHIPPED, Overlays(names))
+
+    nothing = seen()
+    assert (nothing.shapes, nothing.joint_colors) == ([], None)
+    for name in DRAWN:
+        shapes = {shape.name for shape in seen(name).shapes}
+        assert shapes == {n for n in SHAPES if n.split("/")[0].split("_")[0] == name}
+    assert len(seen("flags").notes) == 1 + len(nothing.notes)
+    for name in ("owner", "effort"):
+        assert len(seen(name).joint_colors) == sim.robot.num_joints
 
 
-def test_owners_have_colors():
+def test_the_ground_carries_a_standing_robot_without_a_path(sim, standing):
+    weight = sum(force.force_W[2] for force in standing.contacts)
+    assert len(standing.contacts) == 8
+    assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.2)
+    assert standing.paths == PlannedPaths()
+    balance = standing.balance
+    assert balance.support.shape[1] == 2
+    np.testing.assert_array_equal(balance.dcm_reference, balance.cop_reference)
+
+
+def test_owners_and_efforts_have_colors():
     behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
-    assert behavior == BEHAVIOR
-    assert user == USER
+    assert (behavior, user) == (BEHAVIOR, USER)
     np.testing.assert_allclose(shared, SHARED, atol=0.01)
-
-
-def test_effort_has_colors():
     effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
-    colors = effort_colors(effort, limit)
-    assert colors == [IDLE, BUSY, SPENT, SPENT]
+    assert effort_colors(effort, limit) == [IDLE, BUSY, SPENT, SPENT]
 
 
 @pytest.mark.slow
 def test_a_walk_has_a_plan_and_a_swing_that_overlays_show_once_switched_on():
     meshcat, overlays = Meshcat(), Overlays()
-    sim = walking(meshcat, overlays)
+    sim = AtlasSimulation(view=meshcat, overlays=overlays)
+    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
+    command.walk_params.use_demo_walk = True
+    sim.publish(command)
     sim.advance_to(SWINGING)
-    plan = sim.output("controller_status").plan
-    planned = sim.output("planned_paths")
+    record, planned = sim.record, sim.output("planned_paths")
     assert len(planned.com) == len(planned.dcm) == len(planned.cop) > 10
-    np.testing.assert_allclose(planned.dcm[0], plan.dcm_reference, atol=0.01)
+    np.testing.assert_allclose(planned.dcm[0], record.balance.dcm_reference, atol=0.01)
     # Both come to rest over the same point.
     np.testing.assert_allclose(planned.com[-1], planned.dcm[-1], atol=0.05)
-    step = plan.footsteps[0]
-    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
+    step = record.footsteps[0]
+    foot = record.feet.positions[step.foot]
     assert np.linalg.norm(planned.swing - foot, axis=1).min() < 0.03
     np.testing.assert_allclose(planned.swing[-1][:2], step.p_WF[:2], atol=0.005)
     assert planned.swing[:, 2].max() > 0.05
-    assert plan.support.shape[1] == 2
+    assert record.balance.support.shape[1] == 2
     paths = [f"{PATH}/{name}" for name in SHAPES]
     assert not [path for path in paths if meshcat.HasPath(path)]
     for name in overlays_from("all"):
@@ -216,10 +215,3 @@ def test_a_walk_has_a_plan_and_a_swing_that_overlays_show_once_switched_on():
     sim.advance(0.1)
     # Drake's visualiser began anew, and the link is colored again.
     assert meshcat.HasPath(f"{LINK}{COVER}")
-
-
-def test_figures_have_the_colors_of_the_view():
-    in_figures = {label: color for _, color, label, _ in _TRACKS if label}
-    for name in ("com", "dcm", "cop"):
-        label = {"com": "CoM", "dcm": "DCM", "cop": "CoP"}[name]
-        assert in_figures[label] == hex_color(SHAPES[name])

@@ -7,7 +7,6 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Scenario, Start
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario.world_file import load_world
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import (
@@ -66,11 +65,12 @@ def test_ground_grid_and_lamp_go_with_the_robot():
     assert lamp == pytest.approx(SUN_POSITION + np.array([8.3, -4.8, 0.0]), abs=0.05)
 
 
-def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to():
-    report = AtlasSimInterfaceState()
-    report.pos_est.position.x, report.pos_est.position.z = 2.0, 0.9
-    for overlays, place in (([], None), (["follow"], [2.0, 0.0, 0.0])):
+def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to(record_of):
+    feet = {"left_position": np.array([2.0, 0.1, 0.2])}
+    feet["right_position"] = np.array([2.0, -0.1, 0.3])
+    record = record_of(pelvis={"position": np.array([2.0, 0.0, 0.9])}, feet=feet)
+    for overlays, place in (([], None), (["follow"], [2.0, 0.0, 0.2])):
         camera = Camera()
-        Following(camera, Overlays(overlays)).show(report)
+        Following(camera, Overlays(overlays)).show(record)
         assert hasattr(camera, "target") == (place is not None)
     np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)

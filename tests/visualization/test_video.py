@@ -9,25 +9,20 @@ from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.app.main import main
-from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.palette import COM, FORCE
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.world_file import load_world
 from atlas_drake.visualization.control_colors import owner_colors
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
-from atlas_drake.visualization.overlay_shapes import (
-    DRAWN,
-    contact_forces_of,
-    overlay_shapes,
-)
+from atlas_drake.visualization.overlay_shapes import overlay_shapes
 from atlas_drake.visualization.overlays import OVERLAYS, Overlays
-from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
-from atlas_drake.visualization.video_display import (
-    VIDEO_RATE,
-    Video,
-    VideoDisplay,
-    with_caption,
+from atlas_drake.visualization.video_camera import (
+    LAG,
+    camera_pose,
+    follow,
+    looking_at,
 )
+from atlas_drake.visualization.video_display import VIDEO_RATE, Video, with_caption
 from atlas_drake.visualization.video_file import VideoError, VideoFile, check_video
 from atlas_drake.visualization.video_overlays import VideoOverlays
 from atlas_drake.visualization.video_stage import VideoStage
@@ -112,36 +107,17 @@ def stage():
 
 
 @pytest.fixture(scope="module")
-def sim():
-    sim = AtlasSimulation()
-    sim.advance(0.1)
-    return sim
-
-
-@pytest.fixture(scope="module")
-def standing(sim):
+def q(sim):
+    """Positions of robot and world."""
     return sim.plant.GetPositions(sim.plant.GetMyContextFromRoot(sim.context))
 
 
-@pytest.fixture(scope="module")
-def shapes(sim):
-    """Of all overlays, by name of the overlay."""
-    model = WholeBodyModel(sim.robot)
-    terms = model.evaluate(model.create_context(), sim.output("state"))
-    forces = contact_forces_of(
-        sim.output("contact_results"), sim.output("query_object").inspector()
-    )
-    plan, paths = sim.output("controller_status").plan, sim.output("planned_paths")
-    given = terms, plan, paths, sim.output("foot_wrenches"), forces
-    return {name: overlay_shapes([name], *given) for name in DRAWN}
-
-
-def test_the_robot_stands_in_the_picture(stage, standing):
-    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
-    away = standing.copy()
+def test_the_robot_stands_in_the_picture(stage, q):
+    X_WC = camera_pose(follow(None, q[4:7], 0.0), 0.0)
+    away = q.copy()
     away[4:7] = [0.0, 0.0, -50.0]
     empty = stage.picture(away, [], X_WC)
-    rows, columns = np.nonzero(differing(stage.picture(standing, [], X_WC), empty))
+    rows, columns = np.nonzero(differing(stage.picture(q, [], X_WC), empty))
     assert rows.size > SOME_PIXELS * WIDTH * HEIGHT
     # Upright: higher than wide, all of it in the picture.
     assert 0.5 * HEIGHT < np.ptp(rows) < HEIGHT - 2
@@ -165,12 +141,12 @@ def test_a_mesh_that_cannot_be_drawn_is_named(tmp_path):
         VideoStage(load_robot(), [], WIDTH, HEIGHT, [add])
 
 
-def test_footsteps_appear_and_disappear(stage, standing):
-    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
+def test_footsteps_appear_and_disappear(stage, q):
+    X_WC = camera_pose(follow(None, q[4:7], 0.0), 0.0)
     mark = FootstepMark(Kind.LANDED, 1, 0.5, -0.3, 0.0)
-    before = stage.picture(standing, [], X_WC)
-    during = stage.picture(standing, [mark], X_WC)
-    after = stage.picture(standing, [], X_WC)
+    before = stage.picture(q, [], X_WC)
+    during = stage.picture(q, [mark], X_WC)
+    after = stage.picture(q, [], X_WC)
     seen = differing(before, during, by=15)
     assert seen.any()
     red, _, blue = during[seen].mean(axis=0)
@@ -182,11 +158,11 @@ def test_footsteps_appear_and_disappear(stage, standing):
     ("name", "color"),
     [("com", COM), ("cop", None), ("support", None), ("forces", FORCE), ("plan", None)],
 )
-def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, shapes):
-    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
-    plain = stage.picture(standing, [], X_WC)
-    drawing = VideoOverlays(sim.robot, stage)
-    drawn = drawing.onto(plain, shapes[name], None, X_WC)
+def test_an_overlay_is_drawn_over_the_robot(name, color, stage, q, sim, standing):
+    X_WC = camera_pose(follow(None, q[4:7], 0.0), 0.0)
+    plain = stage.picture(q, [], X_WC)
+    shapes = overlay_shapes([name], standing)
+    drawn = VideoOverlays(sim.robot, stage).onto(plain, shapes, None, X_WC)
     changed = differing(plain, drawn, by=10)
     if name == "plan":  # STAND has no path.
         assert not changed.any()
@@ -200,9 +176,9 @@ def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, s
         assert np.ptp(rows) > 0.2 * HEIGHT
 
 
-def test_links_are_colored_by_their_owner(stage, standing, sim):
-    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
-    plain = stage.picture(standing, [], X_WC)
+def test_links_are_colored_by_their_owner(stage, q, sim):
+    X_WC = camera_pose(follow(None, q[4:7], 0.0), 0.0)
+    plain = stage.picture(q, [], X_WC)
     colors = owner_colors(np.array([0] * 16 + [255] * 12))
     picture = VideoOverlays(sim.robot, stage).onto(plain, [], colors, X_WC)
     red, _, blue = picture.astype(int).transpose(2, 0, 1)
@@ -213,13 +189,25 @@ def test_links_are_colored_by_their_owner(stage, standing, sim):
 
 
 def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(tmp_path):
-    video = Video(tmp_path / "video.mp4", WIDTH, HEIGHT)
-    sim = AtlasSimulation(Scenario(world="stairs"), video=video)
+    video, scenario = Video(tmp_path / "a.mp4", WIDTH, HEIGHT), Scenario(world="stairs")
+    pictures = []
+    for overlays in (Overlays(), Overlays(["follow"])):
+        sim = AtlasSimulation(scenario, video=video, overlays=overlays)
+        sim.advance(0.01)
+        sim.detach(*sim.sinks)
+        pictures += frames(video.path)[:1]
     view = load_world("stairs").view
-    fixed = sim.diagram.GetSubsystemByName("video")._fixed
-    assert fixed.translation().tolist() == view.lens
-    following = VideoDisplay(video, sim.robot, [], [], Overlays(["follow"]), view)
-    assert following._fixed is None
+    lens, target = np.array(view.lens), np.array(view.target)
+    X_WC = looking_at(lens, target)
+    X_TC = RigidTransform(X_WC.rotation(), lens - target)
+    terrain = scenario.all_terrain()
+    stage = VideoStage(sim.robot, terrain, WIDTH, HEIGHT, X_TC=X_TC)
+    expected = stage.picture(sim.record.state.q, [], X_WC)
+    low = HEIGHT // 4  # Below the caption.
+    fixed, following = (
+        differing(found[low:], expected[low:]).mean() for found in pictures
+    )
+    assert fixed < SOME_PIXELS < 10.0 * SOME_PIXELS < following
 
 
 def test_the_caption_is_in_the_corner():

@@ -343,7 +343,7 @@ class InverseMass:
 
     def __init__(self, robot: Robot):
         # Untyped, because pydrake's stubs misname the type of every array.
-        self._plant: Any = robot.make_plant()
+        self._plant: Any = robot.plant
         indices = robot.indices(self._plant)
         self._block = np.ix_(indices.v, indices.v)
 

@@ -33,7 +33,7 @@ class WholeBodyModel:
 
     def __init__(self, robot: Robot):
         # Untyped, because pydrake's stubs misname the type of every array.
-        plant: Any = robot.make_plant()
+        plant: Any = robot.plant
         self.robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)

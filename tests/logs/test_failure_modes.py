@@ -1,20 +1,12 @@
-"""What happened first, from the signals of one tick after another."""
+"""What failed first, from the signals of one tick after another."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
-from pydrake.systems.analysis import Simulator
 
-from atlas_drake import AtlasSimulation, Behavior
-from atlas_drake.campaigns.metrics import add_departure_watch, first_cause
-from atlas_drake.frozen import NOTHING
-from atlas_drake.messages.commands import commands_at_start
-from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.robot import load_robot
-from atlas_drake.systems.departure_watch import DepartureWatch
-from atlas_drake.systems.departures import (
+from atlas_drake import AtlasSimulation
+from atlas_drake.logs.failure_modes import (
     AT_LIMIT,
     CHAIN,
     DCM_LEFT,
@@ -25,12 +17,14 @@ from atlas_drake.systems.departures import (
     STUBBED,
     TIPPED,
     UNSOLVED,
-    Departure,
+    Failure,
+    FailureWatch,
     Landing,
     Signals,
     initial,
     watch,
 )
+from atlas_drake.messages.event import Event
 
 TICK = 0.01
 NAMES = ("hip", "knee")
@@ -82,7 +76,7 @@ def swinging(place, duration=0.6, away=0.0):
 
 
 SIDEWAYS = np.array([0.0, 0.5, 0.9])
-DEPARTURES = {
+FAILURES = {
     "slid": ({"soles": soles_at(0.03)}, SLID, "right"),
     "tipped": ({"normals": np.array([SIDEWAYS, UP])}, TIPPED, "left"),
     "limit": ({"margin": np.array([0.5, -0.001])}, AT_LIMIT, "knee"),
@@ -92,16 +86,14 @@ DEPARTURES = {
 }
 
 
-def test_a_good_run_has_no_departure():
+def test_a_good_run_has_no_failure():
     assert watched((1.0, {})).first is None
 
 
-@pytest.mark.parametrize(
-    ("fields", "kind", "place"), DEPARTURES.values(), ids=DEPARTURES
-)
-def test_each_departure_is_named_with_its_place_and_begin(fields, kind, place):
+@pytest.mark.parametrize(("fields", "kind", "place"), FAILURES.values(), ids=FAILURES)
+def test_each_failure_is_named_with_its_place_and_begin(fields, kind, place):
     state = watched((0.5, {}), (0.4, fields))
-    assert state.first == Departure(pytest.approx(0.51), kind, place)
+    assert state.first == Failure(pytest.approx(0.51), kind, place)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +106,7 @@ def test_each_departure_is_named_with_its_place_and_begin(fields, kind, place):
         {"effort": np.array([0.99, 0.99])},
     ],
 )
-def test_what_a_good_walk_shows_is_no_departure(fields):
+def test_what_a_good_walk_shows_is_no_failure(fields):
     assert watched((0.5, {}), (1.0, fields)).first is None
 
 
@@ -127,21 +119,21 @@ def test_a_limit_counts_only_after_some_time(field, value, most):
     assert watched((0.1, {}), (most + 2 * TICK, there)).first is not None
 
 
-def test_the_earliest_of_departures_that_belong_together_is_the_cause():
+def test_the_earliest_of_failures_that_belong_together_is_the_first():
     # The motor saturates before the DCM leaves, which is noticed at once.
     full = {"effort": np.array([1.0, 0.2])}
     state = watched((0.5, {}), (0.1, full), (0.4, {**full, "outside": 0.1}))
-    assert state.first == Departure(pytest.approx(0.51), SATURATED, "hip")
+    assert state.first == Failure(pytest.approx(0.51), SATURATED, "hip")
 
 
-def test_a_departure_that_passed_is_not_the_cause_of_a_later_one():
+def test_a_failure_that_passed_is_not_the_first_of_later_ones():
     slid = {"soles": soles_at(0.03)}
     away = {"soles": soles_at(0.03), "loads": (1.0, 0.0)}
     lost = {"outside": 0.1}
     state = watched((0.5, {}), (0.2, slid), (CHAIN - 0.1, away), (0.1, lost))
     assert state.first.kind == SLID
     state = watched((0.5, {}), (0.2, slid), (CHAIN + 0.1, away), (0.1, lost))
-    assert state.first == Departure(pytest.approx(1.31), DCM_LEFT)
+    assert state.first == Failure(pytest.approx(1.31), DCM_LEFT)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +148,7 @@ def test_a_foot_is_stubbed_that_touches_early_or_away_from_its_place(
     touch = {**swinging(0.0, left, away), "loads": (0.8, 0.2)}
     first = watched((0.2, {}), (swing, air), (0.05, touch)).first
     if stubbed:
-        assert first == Departure(pytest.approx(0.21 + swing), STUBBED, "right")
+        assert first == Failure(pytest.approx(0.21 + swing), STUBBED, "right")
     else:
         assert first is None
 
@@ -170,52 +162,64 @@ def test_a_foot_that_finds_no_ground_is_late():
     air = swinging(0.0)
     assert watched((0.2, {}), (0.6 + DELAY, air)).first is None
     first = watched((0.2, {}), (0.6 + DELAY + 0.05, air)).first
-    assert first == Departure(pytest.approx(0.81), LATE, "right")
+    assert first == Failure(pytest.approx(0.81), LATE, "right")
 
 
-def simulation():
-    def extend(builder, station):
-        add_departure_watch(builder, station, load_robot())
+def records_until(sim, end):
+    """The records of a run, one for each tick."""
+    while sim.time < end - 1e-9:
+        sim.advance(sim.scenario.control_period)
+        yield sim.record
 
-    return AtlasSimulation(extend=extend)
 
-
-def test_a_run_is_watched_without_being_changed():
-    plain, sim = AtlasSimulation(), simulation()
-    for one in (plain, sim):
-        one.advance(0.1)
-        one.apply_push("utorso", [2500.0, 0.0, 0.0], 0.1)
-        one.advance(0.2)
-    np.testing.assert_array_equal(plain.output("state"), sim.output("state"))
-    figures = first_cause(sim)
-    assert figures["first_cause"] == DCM_LEFT
-    assert figures["first_cause_at"] is None
-    assert 0.1 < figures["first_cause_time_s"] < 0.25
+def test_a_run_is_watched_until_it_fails():
+    sim = AtlasSimulation()
+    watch = FailureWatch(sim.robot)
+    for record in records_until(sim, 0.1):
+        watch.update(record)
+    assert watch.first is None
+    sim.apply_push("utorso", [2500.0, 0.0, 0.0], 0.1)
+    for record in records_until(sim, 0.3):
+        watch.update(record)
+    assert (watch.first.kind, watch.first.place) == (DCM_LEFT, "")
+    assert 0.1 < watch.first.time < 0.25
 
 
 @pytest.mark.parametrize("limb", ["back", "l_arm"])
-@pytest.mark.parametrize("behavior", [Behavior.STAND, Behavior.USER])
-def test_joints_of_the_user_and_arms_are_not_watched(robot, limb, behavior):
-    plant = robot.make_plant()
-    system = DepartureWatch(robot, plant, TICK, TICK)
-    simulator = Simulator(system)
-    context = simulator.get_mutable_context()
-    start = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
+@pytest.mark.parametrize("share", [0, 255])
+def test_joints_of_the_user_and_arms_are_not_watched(sim, limb, share):
+    robot, record = sim.robot, sim.record
     joint = int(np.flatnonzero(robot.limb(limb))[0])
-    start[robot.indices(plant).q] = robot.stand_prep
-    start[robot.indices(plant).q[joint]] = robot.position_upper[joint]
-    for name, value in {
-        "state": start,
-        "effort": np.zeros(robot.num_joints),
-        "foot_wrenches": np.zeros(12),
-        "commands": AbstractValue.Make(commands_at_start(robot, behavior)),
-        "controller_status": AbstractValue.Make(ControllerStatus()),
-        "fall": AbstractValue.Make(NOTHING),
-    }.items():
-        system.GetInputPort(name).FixValue(context, value)
-    simulator.AdvanceTo(0.1)
-    first = system.GetOutputPort("departures").Eval(context).first
-    if limb == "back" and behavior is Behavior.STAND:
-        assert first == Departure(TICK, AT_LIMIT, robot.joint_names[joint])
+    q = record.state.q.copy()
+    q[robot.indices(robot.plant).q[joint]] = robot.position_upper[joint]
+    bent = replace(
+        record,
+        state=replace(record.state, q=q),
+        joints=replace(record.joints, k_effort=np.full(robot.num_joints, share)),
+    )
+    watch = FailureWatch(robot)
+    for tick in range(10):
+        watch.update(replace(bent, time=tick * TICK))
+    if limb == "back" and share == 0:
+        assert watch.first == Failure(0.0, AT_LIMIT, robot.joint_names[joint])
     else:
-        assert first is None
+        assert watch.first is None
+
+
+def test_what_fails_after_a_fall_is_not_watched(sim):
+    lying = replace(
+        sim.record, controller=replace(sim.record.controller, unsolved=9), time=0.2
+    )
+    watch = FailureWatch(sim.robot)
+    watch.update(replace(sim.record, events=(Event(0.1, "fall", "falling"),)))
+    watch.update(lying)
+    assert watch.first is None
+    awake = FailureWatch(sim.robot)
+    awake.update(sim.record)
+    awake.update(lying)
+    assert awake.first == Failure(0.2, UNSOLVED)
+
+
+@pytest.fixture(scope="module")
+def sim():
+    return AtlasSimulation()

@@ -1,8 +1,8 @@
-"""What happened first when a run went wrong, from the signals of its ticks.
+"""What failed first when a run went wrong, from its records.
 
-Pure functions; ``departure_watch`` reads the signals. A departure is what a good walk
-does not show: a sole that slides, a motor at its limit for long. Departures that follow
-each other within ``CHAIN`` belong together, and the first of them is the cause.
+A failure is what a good walk does not show: a sole that slides, a motor at its limit
+for long. Failures that follow each other within ``CHAIN`` belong together, and the
+first of them is the first failure of the run.
 """
 
 from __future__ import annotations
@@ -13,7 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
+from atlas_drake.records import TickRecord
+from atlas_drake.records.groups import Balance
+from atlas_drake.robot import Robot
 from atlas_drake.systems.gait_watch import LOADED, UNLOADED
 
 SLID, TIPPED = "sole slid", "sole tipped"
@@ -21,11 +27,14 @@ STUBBED, LATE = "foot stubbed", "touchdown late"
 AT_LIMIT, SATURATED = "joint at its limit", "effort saturated"
 UNSOLVED, DCM_LEFT = "QP unsolved", "DCM left the feet"
 NONE = "none"
-"""The cause where nothing departed."""
+"""Where nothing failed."""
 SIDES = ("left", "right")
 
+WATCHED_LIMBS = ("l_leg", "r_leg", "back")
+"""Limbs whose joints are watched, as far as the behavior alone moves them: an arm that
+is flung against a stop does not fell a robot."""
 CHAIN = 0.5
-"""Time without a departure after which the next one is a new cause [s]."""
+"""Time without a failure after which the next one begins a new chain [s]."""
 BEARING = 0.2
 """Share of the weight on a sole from which it should rest where it is [-]."""
 SLIP = 0.02
@@ -50,8 +59,8 @@ OUTSIDE = 0.05
 
 
 @dataclass(frozen=True)
-class Departure(Frozen):
-    """One departure.
+class Failure(Frozen):
+    """One failure.
 
     Attributes:
         time: When it began [s].
@@ -132,16 +141,80 @@ class WatchState(Frozen):
         limit_since, full_since: Times since which each joint is at its limit, and each
             motor at its own [s]; infinity for those that are not. Shape (n,).
         unsolved: Number of control ticks without a solution so far.
-        first: First departure of the latest chain; None without one.
-        latest: Time of the latest departure [s].
+        first: First failure of the latest chain; None without one.
+        latest: Time of the latest failure [s].
     """
 
     feet: tuple[FootState, FootState]
     limit_since: np.ndarray
     full_since: np.ndarray
     unsolved: int = 0
-    first: Departure | None = None
+    first: Failure | None = None
     latest: float = -math.inf
+
+
+class FailureWatch:
+    """Finds the first failure of a run, record by record, until the robot falls."""
+
+    def __init__(self, robot: Robot) -> None:
+        """Watches a run of ``robot`` from its start."""
+        self._robot = robot
+        self._joints = robot.indices(robot.plant).q
+        self._watched = robot.limb(*WATCHED_LIMBS)
+        self._state = initial(robot.num_joints)
+        self._fallen = False
+
+    @property
+    def first(self) -> Failure | None:
+        """The first failure of the latest chain; None without one."""
+        return self._state.first
+
+    def update(self, record: TickRecord) -> None:
+        """Takes the next record of the run."""
+        self._fallen |= any(event.kind == "fall" for event in record.events)
+        if not self._fallen:
+            signals = self._signals(record)
+            self._state = watch(self._state, signals, self._robot.joint_names)
+
+    def _signals(self, record: TickRecord) -> Signals:
+        robot, joints = self._robot, record.joints
+        q = record.state.q[self._joints]
+        ours = self._watched & (joints.k_effort == 0)
+        margin = np.minimum(q - robot.position_lower, robot.position_upper - q)
+        effort = np.abs(joints.effort) / robot.effort_limit
+        weight = robot.mass * GRAVITY
+        return Signals(
+            time=round(record.time, 6),
+            margin=np.where(ours, margin, np.inf),
+            effort=np.where(ours, effort, 0.0),
+            loads=[load / weight for load in record.feet.loads],
+            soles=np.array(record.feet.positions),
+            normals=np.array(
+                [rotation_matrix(q_WF)[:, 2] for q_WF in record.feet.orientations]
+            ),
+            landing=_landing(record),
+            outside=_outside(record.balance),
+            unsolved=record.controller.unsolved,
+        )
+
+
+def _landing(record: TickRecord) -> Landing | None:
+    """Returns the next landing that the behavior plans."""
+    if not record.footsteps:
+        return None
+    first = record.footsteps[0]
+    return Landing(first.foot, first.p_WF[:2], record.time_to_touchdown)
+
+
+def _outside(balance: Balance) -> float | None:
+    """Computes how far the DCM is outside the support, beyond the plan's [m]."""
+    if balance.support is None or balance.omega is None or len(balance.support) < 3:
+        return None
+    support = SupportPolygon(balance.support)
+    outside = max(support.distance_outside(balance.dcm), 0.0)
+    if balance.dcm_reference is None:
+        return outside
+    return outside - max(support.distance_outside(balance.dcm_reference), 0.0)
 
 
 def initial(num_joints: int) -> WatchState:
@@ -158,7 +231,7 @@ def watch(state: WatchState, now: Signals, names: Sequence[str]) -> WatchState:
         now: Signals of the tick.
         names: Names of the joints.
     """
-    found: list[Departure] = []
+    found: list[Failure] = []
     feet = []
     for foot, side in enumerate(SIDES):
         found += _of_foot(state.feet[foot], now, foot, side)
@@ -170,17 +243,17 @@ def watch(state: WatchState, now: Signals, names: Sequence[str]) -> WatchState:
         (full_since, SATURATED_TIME, SATURATED),
     ):
         for joint in np.flatnonzero(now.time - since >= least - 1e-9).tolist():
-            found.append(Departure(float(since[joint]), kind, names[joint]))
+            found.append(Failure(float(since[joint]), kind, names[joint]))
     if now.unsolved > state.unsolved:
-        found.append(Departure(now.time, UNSOLVED))
+        found.append(Failure(now.time, UNSOLVED))
     if now.outside is not None and now.outside > OUTSIDE:
-        found.append(Departure(now.time, DCM_LEFT))
+        found.append(Failure(now.time, DCM_LEFT))
     first, latest = state.first, state.latest
     if found:
         if first is None or now.time - latest > CHAIN:
             first = found[0]
-        # A departure may be noticed long after it began.
-        first = min(first, *found, key=lambda departure: departure.time)
+        # A failure may be noticed long after it began.
+        first = min(first, *found, key=lambda failure: failure.time)
         latest = now.time
     return replace(
         state,
@@ -198,22 +271,20 @@ def _since(before: np.ndarray, holds: np.ndarray, time: float) -> np.ndarray:
     return np.where(holds, np.minimum(before, time), np.inf)
 
 
-def _of_foot(
-    foot: FootState, now: Signals, index: int, side: str
-) -> Iterator[Departure]:
-    """Yields what departs at one foot."""
+def _of_foot(foot: FootState, now: Signals, index: int, side: str) -> Iterator[Failure]:
+    """Yields the failures of one foot."""
     load, landing = now.loads[index], now.landing
     if foot.place is not None and foot.normal is not None and load > BEARING:
         way = now.soles[index] - foot.place
         if math.hypot(way[0], way[1]) > SLIP:
-            yield Departure(now.time, SLID, side)
+            yield Failure(now.time, SLID, side)
         if float(now.normals[index] @ foot.normal) < math.cos(TIP):
-            yield Departure(now.time, TIPPED, side)
+            yield Failure(now.time, TIPPED, side)
     if foot.in_air_since is None or foot.touchdown is None:
         return
     if load <= LOADED:
         if now.time - foot.touchdown > DELAY:
-            yield Departure(foot.touchdown, LATE, side)
+            yield Failure(foot.touchdown, LATE, side)
         return
     # A foot that the behavior takes for landed is not that of the next landing.
     if landing is not None and landing.foot == index:
@@ -221,7 +292,7 @@ def _of_foot(
         swing = foot.touchdown - foot.in_air_since
         early = now.time - foot.in_air_since < MID_SWING * swing
         if early or math.hypot(*away) > STUB:
-            yield Departure(now.time, STUBBED, side)
+            yield Failure(now.time, STUBBED, side)
 
 
 def _foot_after(foot: FootState, now: Signals, index: int) -> FootState:

@@ -1,0 +1,281 @@
+"""Writes records to MCAP, which Foxglove and PlotJuggler open: JSON on topics.
+
+The file grows during the run; it can be read even if the run ends abruptly.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+import orjson
+from mcap.writer import CompressionType, Writer
+from pydrake.common.yaml import yaml_dump
+from pydrake.systems.framework import DiagramBuilder
+
+from atlas_drake.checked import as_plain
+from atlas_drake.errors import did_you_mean
+from atlas_drake.logs.foxglove import (
+    SCHEMAS,
+    VIEWER_PERIOD,
+    event_message,
+    json_schema,
+    nanoseconds,
+    viewer_messages,
+)
+from atlas_drake.logs.header import Header, LogError
+from atlas_drake.logs.topics import COMMANDS, EVENTS, ON_CHANGE, STRUCTURED, TIME
+from atlas_drake.messages.behavior_catalog import BehaviorInterface
+from atlas_drake.messages.event import MESSAGE, Event
+from atlas_drake.records import Schema, TickRecord
+from atlas_drake.records.plain import to_plain
+from atlas_drake.robot import Robot
+from atlas_drake.scenario.scenario import LogContent, Scenario
+from atlas_drake.systems.record_reader import add_listener
+
+METADATA, HEADER = "atlas_drake", "header"
+"""Names of the metadata record that holds the header, and of its entry."""
+SUFFIX = ".mcap"
+
+
+def check_log_path(path: Path) -> None:
+    """Checks the name of a log.
+
+    Raises:
+        LogError: If it does not end in ``.mcap``.
+    """
+    if path.suffix != SUFFIX:
+        hint = did_you_mean(path.suffix, [SUFFIX])
+        raise LogError(f"{path}: a log must end in {SUFFIX}.{hint}")
+
+
+def header_of(
+    scenario: Scenario, robot: Robot, behaviors: Sequence[BehaviorInterface]
+) -> Header:
+    """Makes the header of a log; ``behaviors`` are the user's own."""
+    text = yaml_dump(as_plain(scenario))
+    return Header(robot.model, scenario.control_period, text, tuple(behaviors))
+
+
+class McapWriter:
+    """Writes each record as one message per topic; some topics only on change.
+
+    Without a record no log is written, and an earlier file of that name stays.
+
+    Attributes:
+        path: Path of the file.
+        keep: What the log holds beside the numbers of every tick.
+        fault: Error that ended the writing; None if there was none.
+    """
+
+    def __init__(
+        self, path: Path, header: Header, keep: LogContent | None = None
+    ) -> None:
+        """Checks that the file can be written.
+
+        Args:
+            path: Path of the file.
+            header: Facts about the log.
+            keep: What the log holds beside the numbers of every tick.
+
+        Raises:
+            LogError: If it cannot.
+        """
+        check_log_path(path)
+        self.path = path
+        self.keep = keep or LogContent()
+        self.fault: LogError | None = None
+        self._header = header
+        self._schema: Schema | None = None
+        self._file: IO[bytes] | None = None
+        self._early: list[Event] = []
+        self._closed = False
+        existed = path.exists()
+        try:
+            with path.open("ab"):
+                pass
+            if not existed:
+                path.unlink()
+        except OSError as error:
+            raise self._lost(error) from error
+
+    def begin(self, schema: Schema) -> None:
+        """Takes the schema of the records that will come."""
+        self._schema = schema
+
+    def record(self, record: TickRecord) -> None:
+        """Writes a record, unless the file is closed or could not be written."""
+        if self.fault is not None or self._closed:
+            return
+        with self._latched_fault():
+            if self._file is None:
+                self._open()
+            self._write(record)
+
+    def event(self, event: Event) -> None:
+        """Writes an event that no record holds."""
+        if self._closed or self.fault is not None:
+            return
+        if self._file is None:
+            self._early.append(event)
+            return
+        with self._latched_fault():
+            self._add_event(event, of_record=False)
+
+    def close(self) -> None:
+        """Completes the file with its index.
+
+        Raises:
+            LogError: If it cannot be written, now or earlier.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        if self._file is not None and self.fault is None:
+            with self._latched_fault():
+                self._writer.finish()
+                self._file.close()
+        if self.fault is not None:
+            raise self.fault
+
+    @contextmanager
+    def _latched_fault(self) -> Iterator[None]:
+        """Lets a run continue when its log cannot be written."""
+        try:
+            yield
+        except OSError as error:
+            self.fault = self._lost(error)
+            if self._file is not None:
+                with suppress(OSError):  # It tries to write the rest again.
+                    self._file.close()
+
+    def _lost(self, error: OSError) -> LogError:
+        return LogError(f"{self.path}: cannot be written: {error.strerror or error}")
+
+    def _open(self) -> None:
+        """Empties the file and describes all topics."""
+        assert self._schema is not None
+        self._file = self.path.open("wb")
+        self._writer = Writer(self._file, compression=CompressionType.ZSTD)
+        self._writer.start(library="atlas_drake")
+        header = self._header.to_json(self._schema)
+        self._writer.add_metadata(METADATA, {HEADER: header})
+        self._channels: dict[str, int] = {}
+        self._latest: dict[str, bytes] = {
+            name: _dumped(name, part.blank) for name, part in STRUCTURED.items()
+        }
+        self._rows = 0
+        self._viewer_time = -1.0
+        for name in (TIME, *self._schema.groups):
+            self._register(name, f"atlas_drake.{name}", self._sample(name))
+        for name, part in STRUCTURED.items():
+            blank = part.blank if part.sample is None else part.sample
+            sample = to_plain(part.wrapped(name, blank))
+            self._register(name, f"atlas_drake.{name}", sample)
+        for name, kind in COMMANDS.items():
+            sample = {"number": 0, "time": 0.0, "message": to_plain(kind())}
+            self._register(name, f"atlas_drake.{kind.__name__}", sample)
+        for name, (schema, sample) in SCHEMAS.items():
+            self._register(name, schema, sample)
+        while self._early:
+            self._add_event(self._early.pop(0), of_record=False)
+
+    def _sample(self, name: str) -> dict[str, Any]:
+        """Returns a message of zeros of a topic of numbers."""
+        assert self._schema is not None
+        if name == TIME:
+            return {TIME: 0.0}
+        return {
+            field.partition(".")[2]: dict.fromkeys(column.elements, 0.0)
+            if column.elements
+            else 0.0
+            for field, column in self._schema.columns.items()
+            if field.startswith(f"{name}.")
+        }
+
+    def _register(self, topic: str, name: str, sample: Any) -> None:
+        schema = self._writer.register_schema(
+            name, "jsonschema", json.dumps(json_schema(sample)).encode()
+        )
+        self._channels[topic] = self._writer.register_channel(
+            f"/{topic}", "json", schema
+        )
+
+    def _write(self, record: TickRecord) -> None:
+        schema, time = self._schema, record.time
+        assert schema is not None
+        plain = {
+            name: schema.plain(name, getattr(record, name)) for name in schema.groups
+        }
+        for name, numbers in plain.items():
+            data = orjson.dumps(numbers)
+            if name in ON_CHANGE:
+                if data == self._latest.get(name):
+                    continue
+                self._latest[name] = data
+            self._add(time, name, data)
+        for name in STRUCTURED:
+            data = _dumped(name, getattr(record, name))
+            if data != self._latest[name]:
+                self._latest[name] = data
+                self._add(time, name, data)
+        for event in record.events:
+            self._add_event(event, of_record=True)
+        # Last: where a file is cut off, a record without it is not whole.
+        self._add(time, TIME, orjson.dumps({TIME: time}))
+        if not 0.0 <= time - self._viewer_time < VIEWER_PERIOD - 1e-9:
+            self._viewer_time = time
+            for name, message in viewer_messages(time, plain):
+                self._add(time, name, orjson.dumps(message))
+        self._rows += 1
+
+    def _add_event(self, event: Event, *, of_record: bool) -> None:
+        if event.kind == MESSAGE:
+            message = event.data["message"]
+            topic = next(n for n, kind in COMMANDS.items() if isinstance(message, kind))
+            data: Any = {
+                "number": event.data["number"],
+                "time": event.time,
+                "message": to_plain(message),
+            }
+        else:
+            topic, data = EVENTS, event_message(event, of_record)
+        # A refused message may hold whole numbers that only Python's own JSON takes.
+        self._add(event.time, topic, json.dumps(data).encode())
+
+    def _add(self, time: float, topic: str, data: bytes) -> None:
+        """Adds a message; its sequence is the number of the record."""
+        stamp = nanoseconds(time)
+        self._writer.add_message(
+            self._channels[topic],
+            log_time=stamp,
+            data=data,
+            publish_time=stamp,
+            sequence=self._rows,
+        )
+
+
+def _dumped(name: str, value: Any) -> bytes:
+    """Converts a structured part to JSON, with null for NaN and infinities."""
+    return orjson.dumps(
+        STRUCTURED[name].wrapped(name, value),
+        default=to_plain,
+        option=orjson.OPT_SERIALIZE_NUMPY,
+    )
+
+
+def add_log(builder: DiagramBuilder, station: Any, writer: McapWriter) -> None:
+    """Adds what hands records to a writer to a diagram with an AtlasStation."""
+    writer.begin(station.GetSubsystemByName("tick_recorder").schema)
+    keep = writer.keep
+    add_listener(
+        builder,
+        station,
+        "log",
+        writer.record,
+        paths=keep.paths,
+        contacts=keep.contacts,
+    )

@@ -1,0 +1,133 @@
+"""What a number of a record means: unit, labels, description; beside its field."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from atlas_drake.frozen import Frozen
+from atlas_drake.messages import Message
+
+XY, XYZ = ("x", "y"), ("x", "y", "z")
+WXYZ = ("w", "x", "y", "z")
+
+
+class Names(Enum):
+    """Labels that depend on the robot and its world."""
+
+    JOINTS = "joints"
+    """The joints in message order."""
+    POSITIONS = "positions"
+    """The robot's positions in plant order."""
+    VELOCITIES = "velocities"
+    """The robot's velocities in plant order."""
+    WORLD_POSITIONS = "world positions"
+    """Positions of the models beside the robot."""
+    WORLD_VELOCITIES = "world velocities"
+    """Velocities of the models beside the robot."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """Annotation of a field that holds a number, or an array of numbers.
+
+    Attributes:
+        about: Description of the quantity.
+        unit: Unit of all elements; empty for counts, flags and ratios.
+        labels: Labels of the elements; none for a single number.
+        kind: Numpy's name of the data type in a log.
+        optional: True if the field may be None; a log then has NaN.
+        width: Numbers per row of an array with any number of rows up to the labels';
+            0 for an array with one number per label.
+    """
+
+    about: str = ""
+    unit: str = ""
+    labels: tuple[str, ...] | Names = ()
+    kind: str = "f8"
+    optional: bool = False
+    width: int = 0
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Labels of a column of a schema, where the robot's are known."""
+        assert isinstance(self.labels, tuple)
+        return self.labels
+
+    def numbers(self, value: Any, size: int) -> list[float | None]:
+        """Returns the numbers of a field's value, one per label; None where missing."""
+        if value is None:
+            return [None] * size
+        if not self.labels:
+            return [value]
+        numbers = np.asarray(value).ravel().tolist()
+        return numbers + [None] * (size - len(numbers))
+
+    def value(self, numbers: np.ndarray) -> Any:
+        """Returns the field's value from its numbers; the reverse of ``numbers``."""
+        if self.optional and np.isnan(numbers).all():
+            return None
+        if not self.labels:
+            number = numbers.item()
+            return number if self.kind.startswith("f") else int(number)
+        if self.width:
+            rows = numbers.reshape(-1, self.width)
+            numbers = rows[~np.isnan(rows).all(axis=1)]
+        array = np.array(numbers, dtype=float)
+        array.setflags(write=False)
+        return array
+
+
+class Group(Frozen):
+    """Base of records and their parts: dataclasses whose fields may be columns.
+
+    Two of them are equal if all numbers are equal; NaN equals NaN.
+    """
+
+    @classmethod
+    def columns(cls) -> Mapping[str, Column]:
+        """Returns the columns by field."""
+        return _columns(cls)  # type: ignore[arg-type]
+
+    def __eq__(self, other: object) -> bool:
+        """Compares all fields that take part in comparisons."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(
+            _same(getattr(self, field.name), getattr(other, field.name))
+            for field in fields(self)  # type: ignore[arg-type]
+            if field.compare
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@cache
+def _columns(group: Any) -> Mapping[str, Column]:
+    hints = get_type_hints(group, include_extras=True)
+    return {
+        field.name: column
+        for field in fields(group)
+        for column in getattr(hints[field.name], "__metadata__", ())
+        if isinstance(column, Column)
+    }
+
+
+def _same(a: Any, b: Any) -> bool:
+    """Compares two values of a field, element by element."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
+    if isinstance(a, (tuple, list)):
+        return (
+            isinstance(b, (tuple, list)) and len(a) == len(b) and all(map(_same, a, b))
+        )
+    if is_dataclass(a) and not isinstance(a, (Group, Message)):
+        return type(a) is type(b) and all(
+            _same(getattr(a, field.name), getattr(b, field.name)) for field in fields(a)
+        )
+    return bool(a == b) or (a != a and b != b)

@@ -1,0 +1,132 @@
+"""The schema of a run's records: every column with its labels, by name.
+
+The columns stand beside the fields of the records; only the labels depend on the robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from types import NoneType, UnionType
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+from atlas_drake.frozen import Frozen
+from atlas_drake.records.column import Column, Group, Names
+from atlas_drake.records.tick_record import TickRecord
+
+TIME = "time"
+"""The column that belongs to no group."""
+
+
+def _groups() -> dict[str, type[Group]]:
+    """Finds the groups of a record, by the name of their field."""
+    found: dict[str, type[Group]] = {}
+    for name, hint in get_type_hints(TickRecord).items():
+        for kind in get_args(hint) if isinstance(hint, UnionType) else (hint,):
+            if isinstance(kind, type) and issubclass(kind, Group):
+                found[name] = kind
+    return found
+
+
+GROUPS = _groups()
+"""Classes of the groups of numbers in a record, by field."""
+OPTIONAL = frozenset(
+    name
+    for name, hint in get_type_hints(TickRecord).items()
+    if name in GROUPS and NoneType in get_args(hint)
+)
+"""Groups that not every run has."""
+
+
+@dataclass(frozen=True)
+class Schema(Frozen):
+    """Columns of the records of a run.
+
+    Attributes:
+        names: Labels that depend on the robot and its world.
+        groups: Names of the groups that the records have.
+    """
+
+    names: Mapping[Names, tuple[str, ...]]
+    groups: tuple[str, ...]
+
+    @cached_property
+    def columns(self) -> dict[str, Column]:
+        """All columns with their labels, by name such as ``balance.dcm``."""
+        found = {TIME: TickRecord.columns()[TIME]}
+        for group in self.groups:
+            for name, column in GROUPS[group].columns().items():
+                found[f"{group}.{name}"] = self._labelled(column)
+        return found
+
+    def _labelled(self, column: Column) -> Column:
+        if isinstance(column.labels, Names):
+            return replace(column, labels=self.names[column.labels])
+        return column
+
+    @cached_property
+    def _parts(self) -> dict[str, tuple[tuple[str, Column, tuple[str, ...]], ...]]:
+        """Fields, columns and labels of each group."""
+        parts = {}
+        for group in self.groups:
+            part = []
+            for field in fields(GROUPS[group]):  # type: ignore[arg-type]
+                column = self.columns[f"{group}.{field.name}"]
+                part.append((field.name, column, column.elements))
+            parts[group] = tuple(part)
+        return parts
+
+    def plain(self, group: str, value: Group) -> dict[str, Any]:
+        """Returns a group as plain numbers by field, and by label."""
+        found: dict[str, Any] = {}
+        for name, column, labels in self._parts[group]:
+            number = getattr(value, name)
+            if not labels:
+                found[name] = number
+            elif number is not None and not column.width:
+                found[name] = dict(zip(labels, number.tolist(), strict=True))
+            else:
+                numbers = column.numbers(number, len(labels))
+                found[name] = dict(zip(labels, numbers, strict=True))
+        return found
+
+    def numbers(self, record: TickRecord) -> Iterator[tuple[str, np.ndarray]]:
+        """Yields each column's name and numbers; NaN for what is missing."""
+        yield TIME, np.array([record.time])
+        for group in self.groups:
+            value = getattr(record, group)
+            for name, column, labels in self._parts[group]:
+                numbers = column.numbers(getattr(value, name), max(len(labels), 1))
+                yield f"{group}.{name}", np.array(numbers, dtype=float)
+
+    def group_at(self, group: str, row: Mapping[str, np.ndarray]) -> Group:
+        """Makes a group from the numbers of its columns, by column name."""
+        return GROUPS[group](
+            **{
+                name: column.value(row[f"{group}.{name}"])
+                for name, column, _ in self._parts[group]
+            }
+        )
+
+    def to_plain(self) -> dict[str, Any]:
+        """Returns the schema as plain data."""
+        return {
+            "names": {key.value: list(labels) for key, labels in self.names.items()},
+            "groups": list(self.groups),
+        }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Schema:
+        """The reverse of ``to_plain``.
+
+        Raises:
+            KeyError: If a group is not known, as in the log of another version.
+            ValueError: If a name is not known.
+        """
+        names = {Names(key): tuple(labels) for key, labels in plain["names"].items()}
+        for group in plain["groups"]:
+            GROUPS[group]
+        return cls(names, tuple(plain["groups"]))

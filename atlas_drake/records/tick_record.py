@@ -1,0 +1,121 @@
+"""What a control tick was: one frozen value for whoever shows, writes or counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+import numpy as np
+
+from atlas_drake.messages import (
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorStandFeedback,
+    AtlasBehaviorStepFeedback,
+    AtlasBehaviorWalkFeedback,
+    AtlasSimInterfaceCommand,
+)
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import Footstep
+from atlas_drake.records.column import Column, Group
+from atlas_drake.records.groups import (
+    Balance,
+    BehaviorNumbers,
+    ControllerNumbers,
+    Estimator,
+    Feet,
+    Gains,
+    Hands,
+    ImuNumbers,
+    Joints,
+    Pelvis,
+    State,
+    World,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForce(Group):
+    """The force of one contact on the robot, in W.
+
+    Attributes:
+        p_WC: Point of the contact [m], shape (3,).
+        force_W: Force on the robot [N], shape (3,).
+    """
+
+    p_WC: np.ndarray
+    force_W: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class TickRecord(Group):
+    """One control tick of a run, live or from a log.
+
+    Wall time of the tick takes no part in comparisons. What a custom controller does
+    not know is absent: None, empty, or blank feedback.
+
+    Attributes:
+        time: Time of the tick [s].
+        behavior: The behavior, and the answer to the last command.
+        request: The behavior command in force; None before the first one.
+        joints: The joints: measured, commanded, and their efforts.
+        gains: The user's gains in force.
+        pelvis: The pelvis, as the behaviors read it.
+        imu: The measurement of the IMU.
+        feet: The soles, and their contact wrenches of the tick before.
+        hands: Contact wrenches of the tick before on the hands.
+        balance: CoM, DCM and CoP, and their plan.
+        controller: Infeasible ticks, and the wall time of the tick.
+        state: The true state of the robot.
+        world: The state of the models beside it; None if none moves.
+        estimator: The error of the state estimator; None without one.
+        stand: Feedback of STAND.
+        walk: Feedback of WALK; blank while another behavior is active, as the others.
+        step: Feedback of STEP.
+        manipulate: Feedback of MANIPULATE.
+        feedback: Feedback of a user's own behavior as plain data; None without one.
+        plan: What a user's own plan adds to ``Plan``, as plain data by field.
+        footsteps: Footsteps to come, the next one first.
+        landed: The last footsteps that landed, as events.
+        pushes: Bodies that are pushed, and the forces on them in W [N].
+        events: Events of this tick.
+        paths: Planned paths; None unless they were asked for.
+        contacts: Forces of single contacts; None unless they were asked for.
+    """
+
+    time: Annotated[float, Column("time of the tick", "s")]
+    behavior: BehaviorNumbers
+    request: AtlasSimInterfaceCommand | None
+    joints: Joints
+    gains: Gains
+    pelvis: Pelvis
+    imu: ImuNumbers
+    feet: Feet
+    hands: Hands
+    balance: Balance
+    controller: ControllerNumbers
+    state: State
+    world: World | None = None
+    estimator: Estimator | None = None
+    stand: AtlasBehaviorStandFeedback = field(
+        default_factory=AtlasBehaviorStandFeedback
+    )
+    walk: AtlasBehaviorWalkFeedback = field(default_factory=AtlasBehaviorWalkFeedback)
+    step: AtlasBehaviorStepFeedback = field(default_factory=AtlasBehaviorStepFeedback)
+    manipulate: AtlasBehaviorManipulateFeedback = field(
+        default_factory=AtlasBehaviorManipulateFeedback
+    )
+    feedback: Any = None
+    plan: Mapping[str, Any] = field(default_factory=dict)
+    footsteps: tuple[Footstep, ...] = ()
+    landed: tuple[Event, ...] = ()
+    pushes: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+    events: tuple[Event, ...] = ()
+    paths: PlannedPaths | None = None
+    contacts: tuple[ContactForce, ...] | None = None
+
+    @property
+    def time_to_touchdown(self) -> float:
+        """Planned time until the next touchdown [s]; 0 if none is planned."""
+        return max(self.walk.t_step_rem, self.step.t_step_rem, 0.0)
