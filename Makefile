@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
 # What is installed; a variable, because a comma would end an argument of QUIETLY.
-EXTRAS := .[dev,log,plot]
+EXTRAS := .[dev,plot]
 # Shows the output of a command only if the command fails.
 QUIETLY = output=$$($(1) 2>&1) || { echo "$$output"; exit 1; }
 

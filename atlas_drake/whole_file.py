@@ -9,9 +9,8 @@ import errno
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
 
 
 def why_not_writable(path: Path) -> str | None:
@@ -89,35 +88,3 @@ def whole_file(path: Path, unfinished_as: str = "") -> Iterator[Path]:
         os.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)
-
-
-class WholeFile:
-    """A file that stays open, and gets its name when it is closed.
-
-    Attributes:
-        file: The open file, in binary mode.
-    """
-
-    def __init__(self, path: Path):
-        """Opens the file.
-
-        Raises:
-            OSError: If it cannot be written.
-        """
-        with ExitStack() as stack:
-            unfinished = stack.enter_context(whole_file(path))
-            self.file: IO[bytes] = stack.enter_context(unfinished.open("wb"))
-            self._stack = stack.pop_all()
-
-    def __enter__(self) -> IO[bytes]:
-        return self.file
-
-    def __exit__(self, *error: Any) -> bool | None:
-        """Closes the file and, unless there was an error, gives it its name."""
-        return self._stack.__exit__(*error)
-
-    def abandon(self) -> None:
-        """Closes and deletes the unfinished file; does nothing after ``__exit__``."""
-        error = OSError("abandoned")
-        with suppress(OSError):
-            self._stack.__exit__(type(error), error, None)

@@ -10,7 +10,7 @@ diagram is built, to add systems that measure at every physics step.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from pydrake.math import RollPitchYaw
@@ -32,16 +32,6 @@ WORK = "motor_work"
 """Output port of the diagram with the motors' work."""
 FIRST_FAILURE, FIRST_FAILURE_AT = "first_failure", "first_failure_at"
 """Figures of what failed first, and of the joint or foot concerned."""
-
-
-class RecordMetric(Protocol):
-    """A metric that is fed the records of a run."""
-
-    def update(self, record: TickRecord) -> None:
-        """Takes the next record."""
-
-    def result(self, sim: AtlasSimulation) -> Figures:
-        """Returns the figures of the finished run."""
 
 
 def success(sim: AtlasSimulation) -> Figures:

@@ -131,8 +131,8 @@ class AtlasSimulation:
             overlays: Plans of the controller that are shown there and in the video.
             video: Attaches a video of the run; None films nothing.
             on_event: Called with each event as it is noticed.
-            log: Attaches a file that records the run, see ``atlas_drake.logs``: .mcap,
-                .npz or .parquet.
+            log: Attaches a file that records the run, see ``atlas_drake.logs``:
+                NAME.mcap.
 
         Raises:
             TypeError: If an argument is of the wrong type; it names the argument.

@@ -26,7 +26,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.records import TickRecord
-from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
+from atlas_drake.visualization.scene import FIELD_OF_VIEW
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 from atlas_drake.visualization.stroke_font import text_segments
 
@@ -37,7 +37,7 @@ HALF_PICTURE = DISTANCE * math.tan(0.5 * math.radians(FIELD_OF_VIEW))
 it."""
 TITLE_HEIGHT, NOTE_HEIGHT = 0.075, 0.034
 """Heights of the letters."""
-TITLE_Y, NOTE_Y, FLAGS_Y, PAUSED_Y = 0.83, 0.74, 0.68, -0.88
+TITLE_Y, NOTE_Y, FLAGS_Y = 0.83, 0.74, 0.68
 """Heights of the baselines above the middle of the picture."""
 STROKE = 0.13
 """Width of a stroke as a share of the letters' height."""
@@ -140,15 +140,6 @@ def caption_lines(title: str, notes: Sequence[str]) -> list[CaptionLine]:
         CaptionLine(title, TITLE_HEIGHT, TITLE_Y),
         *(CaptionLine(note, NOTE_HEIGHT, y) for note, y in places),
     ]
-
-
-def show_paused(meshcat: Meshcat, paused: bool) -> None:
-    """Says in the picture that time stands still, or takes that away."""
-    path = f"{CAMERA}/paused"
-    if not paused:
-        meshcat.Delete(path)
-        return
-    draw_line(meshcat, path, CaptionLine("paused", TITLE_HEIGHT, PAUSED_Y))
 
 
 def draw_line(meshcat: Meshcat, path: str, line: object) -> None:

@@ -200,7 +200,9 @@ def test_parameters_are_copied_at_every_depth(bow):
         # A change in place is a new message.
         assert sim.output("commands").received == count
     assert kept.angles.tolist() == [0.0, 0.0]
-    assert kept == Nested(angles=kept.angles)
+    assert kept.speeds == {"left": [1.0, 2.0]}
+    assert kept.feet == {0}
+    assert kept.inner == [Incomplete(0.1)]
     assert sim.output("commands").request.command.params.inner[0].depth == 9.0
 
 
