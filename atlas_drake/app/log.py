@@ -31,6 +31,7 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.app.run import PIECE, quiet_logs
+from atlas_drake.atomic_write import atomic_write
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
@@ -44,7 +45,6 @@ from atlas_drake.logs.panels import Page
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
-from atlas_drake.whole_file import whole_file
 
 PICTURES = (".png", ".html")
 """Endings of the files of ``plot``: a picture, and an interactive page."""
@@ -91,7 +91,7 @@ def plot_log(options: argparse.Namespace) -> int:
 
 
 def _draw(draw: Callable[[Page, Path], None], page: Page, file: Path) -> None:
-    with whole_file(file) as unfinished:
+    with atomic_write(file) as unfinished:
         draw(page, unfinished)
 
 

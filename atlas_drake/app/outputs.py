@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, TypeVar
 from pydrake.geometry import Meshcat
 
 from atlas_drake.app.progress import Progress
+from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import logged_overlays, why_not_logged
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
-from atlas_drake.whole_file import whole_file, why_not_writable
 
 if TYPE_CHECKING:
     from atlas_drake.cockpit.cockpit import Cockpit
@@ -97,7 +97,7 @@ def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool
     """Writes a text file at the end of a run, as ``keep`` does, whole or not at all."""
 
     def write() -> None:
-        with whole_file(path) as unfinished:
+        with atomic_write(path) as unfinished:
             unfinished.write_text(text, encoding="utf-8")
 
     return keep(path, write, progress, lambda _written: use)

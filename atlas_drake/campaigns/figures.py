@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.report import (
@@ -22,7 +23,6 @@ from atlas_drake.campaigns.report import (
 )
 from atlas_drake.campaigns.threshold import Record, Records, Search
 from atlas_drake.numeric import is_number
-from atlas_drake.whole_file import whole_file
 
 BINS, SECTORS = 8, 12
 """Numbers of groups of trials, by a value and by a direction."""
@@ -57,7 +57,7 @@ def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Pa
     for name, figure in pages.items():
         path = folder / name
         figure.suptitle(f"{campaign.name}, {len(rows)} trials", fontsize=11)
-        with whole_file(path, unfinished_as=path.stem) as unfinished:
+        with atomic_write(path, unfinished_as=path.stem) as unfinished:
             figure.savefig(unfinished, dpi=DPI)
         written.append(path)
     return written

@@ -21,13 +21,13 @@ from typing import Any
 from pydrake.common.yaml import yaml_dump, yaml_load
 
 import atlas_drake
+from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
 from atlas_drake.scenario.differences import flat
-from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"
 """Names in the folder."""
@@ -71,7 +71,7 @@ class CampaignFolder:
             (self.path / TRIALS).mkdir(parents=True, exist_ok=True)
             file = self.path / CAMPAIGN
             if not file.exists():
-                with whole_file(file) as unfinished:
+                with atomic_write(file) as unfinished:
                     unfinished.write_text(text, encoding="utf-8")
                 return
         except OSError as error:
@@ -118,7 +118,7 @@ class CampaignFolder:
     def write(self, record: Mapping[str, Any]) -> None:
         """Writes the record of a trial; ``only_one`` keeps a second program away."""
         file = self.file_of(record["trial"])
-        with whole_file(file, unfinished_as=file.stem) as unfinished:
+        with atomic_write(file, unfinished_as=file.stem) as unfinished:
             unfinished.write_bytes(_as_json(record))
 
     def records(self) -> dict[int, dict[str, Any]]:
@@ -192,7 +192,7 @@ def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
         theirs = source._read()
         file = target.path / CAMPAIGN
         if not file.exists():
-            with whole_file(file) as unfinished:
+            with atomic_write(file) as unfinished:
                 unfinished.write_bytes((source.path / CAMPAIGN).read_bytes())
         difference = _difference(target._read(), theirs)
         if difference is not None:

@@ -9,11 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.errors import check_packages
 from atlas_drake.campaigns.folder import CampaignFolder
 from atlas_drake.campaigns.report import report
 from atlas_drake.campaigns.threshold import Record, Records
-from atlas_drake.whole_file import whole_file
 
 REPORT = "report.md"
 """Name of the report in a campaign's folder."""
@@ -44,7 +44,7 @@ def write_results(folder: CampaignFolder) -> tuple[str, list[Path]]:
         table, page = folder.path / TABLE, folder.path / REPORT
         write_parquet(records, table)
         text = report(campaign, records)
-        with whole_file(page, unfinished_as=page.stem) as unfinished:
+        with atomic_write(page, unfinished_as=page.stem) as unfinished:
             unfinished.write_text(text, encoding="utf-8")
         written = [table, page]
         if records:
@@ -86,7 +86,7 @@ def write_parquet(records: Records, path: Path) -> None:
     rows = [_row(records[number]) for number in sorted(records)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column(name, [row.get(name) for row in rows]) for name in names}
-    with whole_file(path, unfinished_as=path.stem) as unfinished:
+    with atomic_write(path, unfinished_as=path.stem) as unfinished:
         pq.write_table(
             pa.table(columns),
             str(unfinished),

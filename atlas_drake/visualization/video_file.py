@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from atlas_drake.atomic_write import why_not_writable
 from atlas_drake.errors import AtlasError
-from atlas_drake.whole_file import why_not_writable
 
 ENDINGS = (".mp4", ".gif")
 INSTALL = 'pip install "atlas-drake[video]"'

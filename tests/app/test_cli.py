@@ -19,9 +19,9 @@ from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 from atlas_drake.app.run import AFTER_FALL, verdict
+from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.viewer import start_meshcat
-from atlas_drake.whole_file import whole_file, why_not_writable
 
 from .conftest import COMMAND, animation_in
 
@@ -291,7 +291,7 @@ def test_a_name_that_no_file_can_have_is_bad_input(scenario, tmp_path, capsys):
 def test_a_file_may_have_the_longest_name(tmp_path):
     path = tmp_path / f"{'a' * 250}.json"
     assert why_not_writable(path) is None
-    with whole_file(path) as unfinished:
+    with atomic_write(path) as unfinished:
         unfinished.touch()
     assert [*tmp_path.iterdir()] == [path]
 
@@ -303,7 +303,7 @@ def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
         flushed.append((path.exists(), os.fstat(number).st_size))
 
     monkeypatch.setattr(os, "fsync", flush)
-    with whole_file(path) as unfinished:
+    with atomic_write(path) as unfinished:
         unfinished.write_text("whole")
     assert flushed == [(False, 5)]
     assert path.read_text() == "whole"

@@ -48,7 +48,7 @@ def _resolved(path: Path) -> Path:
 
 
 @contextmanager
-def whole_file(path: Path, unfinished_as: str = "") -> Iterator[Path]:
+def atomic_write(path: Path, unfinished_as: str = "") -> Iterator[Path]:
     """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
     The content is on the disk before the file gets its name.
