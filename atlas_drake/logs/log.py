@@ -151,9 +151,8 @@ class Log:
         """Numbers in the structured parts, by path such as ``walk.t_step_rem``."""
         columns: dict[str, np.ndarray] = {}
         for part_name, part in self.parts.items():
-            is_message = STRUCTURED[part_name].is_message
             for row, plain in zip(part.rows, part.values, strict=True):
-                value = plain if is_message else plain[part_name]
+                value = STRUCTURED[part_name].content(part_name, plain)
                 for path, number in numbers_in(value, part_name):
                     if path not in columns:
                         columns[path] = np.full(len(self), np.nan)
@@ -183,7 +182,7 @@ class Log:
         events = tuple(one.event for one in self._by_row.get(row, ()) if one.of_record)
         return TickRecord(
             time=float(self.time[row]),
-            request=self._request(int(numbers["behavior.request_number"])),
+            request=self._requests.get(int(numbers["behavior.request_number"])),
             events=events,
             landed=self._landed_until(row),
             **groups,  # type: ignore[arg-type]
@@ -245,9 +244,6 @@ class Log:
 
     def _landed_until(self, row: int) -> tuple[Event, ...]:
         return landed_among(event for at, event in self._landings if at <= row)
-
-    def _request(self, number: int) -> AtlasSimInterfaceCommand | None:
-        return self._requests.get(number)
 
     @cached_property
     def _requests(self) -> dict[int, AtlasSimInterfaceCommand]:

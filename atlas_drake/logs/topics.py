@@ -60,9 +60,13 @@ class Structured:
         """Returns the message of the topic ``name`` for a value."""
         return value if self.is_message else {name: value}
 
+    def content(self, name: str, plain: Any) -> Any:
+        """Returns the plain value in a message of the topic ``name``."""
+        return plain if self.is_message else plain[name]
+
     def unwrapped(self, name: str, plain: Any) -> Any:
         """Returns the value of a message in its plain form."""
-        return self.read(plain if self.is_message else plain[name])
+        return self.read(self.content(name, plain))
 
 
 def _feedback(kind: type[Message]) -> Structured:

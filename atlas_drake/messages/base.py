@@ -89,7 +89,7 @@ class Message:
         """Compare all fields; lists, tuples and arrays by their elements."""
         if type(other) is not type(self):
             return NotImplemented
-        get: Any = _getter(type(self))  # type: ignore[arg-type]
+        get: Any = compared(type(self))  # type: ignore[arg-type]
         mine, theirs = get(self), get(other)
         try:
             if mine == theirs:
@@ -132,9 +132,9 @@ def _frozen(value: Any) -> Any:
 
 
 @functools.cache
-def _getter(kind: type) -> Callable[[Any], tuple[Any, ...]]:
-    """Return a function that reads all fields of a dataclass at once."""
-    names = [item.name for item in fields(kind)]
+def compared(kind: type) -> Callable[[Any], tuple[Any, ...]]:
+    """Return a function that reads the fields of a dataclass that are compared."""
+    names = [item.name for item in fields(kind) if item.compare]
     if len(names) > 1:
         return operator.attrgetter(*names)
     return lambda value: tuple(getattr(value, name) for name in names)
@@ -146,6 +146,8 @@ def same(a: Any, b: Any) -> bool:
     Lists, tuples and arrays are compared by their elements, dataclasses and mappings by
     their values, and objects that do not define equality by their type. NaN equals NaN.
     """
+    if _is_numeric(a) and _is_numeric(b):
+        return np.array_equal(a, b, equal_nan=True)
     if _is_sequence(a) and _is_sequence(b):
         return len(a) == len(b) and all(map(same, a, b))
     if type(a) is not type(b):
@@ -153,7 +155,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, dict):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     if is_dataclass(a) and not isinstance(a, type | Message):
-        get = _getter(type(a))
+        get = compared(type(a))
         return all(map(same, get(a), get(b)))
     both_nan = bool(np.all(a != a) and np.all(b != b))
     return bool(np.all(a == b)) or both_nan or not _defines_equality(type(a))
@@ -161,6 +163,10 @@ def same(a: Any, b: Any) -> bool:
 
 def _defines_equality(kind: Any) -> bool:
     return kind.__eq__ is not object.__eq__
+
+
+def _is_numeric(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype.kind in "biuf"
 
 
 def _is_sequence(value: Any) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields
 from enum import Enum
 from functools import cache
 from typing import Any, get_type_hints
@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from atlas_drake.frozen import Frozen
-from atlas_drake.messages import Message
+from atlas_drake.messages.base import compared, same
 
 XY, XYZ = ("x", "y"), ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")
@@ -98,11 +98,8 @@ class Group(Frozen):
         """Compares all fields that take part in comparisons."""
         if type(other) is not type(self):
             return NotImplemented
-        return all(
-            _same(getattr(self, field.name), getattr(other, field.name))
-            for field in fields(self)  # type: ignore[arg-type]
-            if field.compare
-        )
+        get = compared(type(self))  # type: ignore[arg-type]
+        return all(map(same, get(self), get(other)))
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -116,18 +113,3 @@ def _columns(group: Any) -> Mapping[str, Column]:
         for column in getattr(hints[field.name], "__metadata__", ())
         if isinstance(column, Column)
     }
-
-
-def _same(a: Any, b: Any) -> bool:
-    """Compares two values of a field, element by element."""
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
-    if isinstance(a, (tuple, list)):
-        return (
-            isinstance(b, (tuple, list)) and len(a) == len(b) and all(map(_same, a, b))
-        )
-    if is_dataclass(a) and not isinstance(a, (Group, Message)):
-        return type(a) is type(b) and all(
-            _same(getattr(a, field.name), getattr(b, field.name)) for field in fields(a)
-        )
-    return bool(a == b) or (a != a and b != b)

@@ -16,6 +16,8 @@ from atlas_drake.records.column import WXYZ, XY, XYZ, Column, Group, Names
 Array = np.ndarray
 _JOINTS = Names.JOINTS
 _CORNERS = tuple(f"{axis}{i}" for i in range(LARGEST_SUPPORT) for axis in XY)
+_Torque = Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
+_Force = Annotated[Array, Column("contact force in W", "N", XYZ)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +94,10 @@ class Feet(Group):
     left_orientation: Annotated[Array, Column("of the left sole in W", "", WXYZ)]
     right_position: Annotated[Array, Column("of the right sole in W", "m", XYZ)]
     right_orientation: Annotated[Array, Column("of the right sole in W", "", WXYZ)]
-    left_torque: Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
-    left_force: Annotated[Array, Column("contact force in W", "N", XYZ)]
-    right_torque: Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
-    right_force: Annotated[Array, Column("contact force in W", "N", XYZ)]
+    left_torque: _Torque
+    left_force: _Force
+    right_torque: _Torque
+    right_force: _Force
 
     @property
     def positions(self) -> tuple[Array, Array]:
@@ -117,10 +119,10 @@ class Feet(Group):
 class Hands(Group):
     """The contact wrenches of the tick before on the hands, at their origins."""
 
-    left_torque: Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
-    left_force: Annotated[Array, Column("contact force in W", "N", XYZ)]
-    right_torque: Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
-    right_force: Annotated[Array, Column("contact force in W", "N", XYZ)]
+    left_torque: _Torque
+    left_force: _Force
+    right_torque: _Torque
+    right_force: _Force
 
 
 @dataclass(frozen=True, eq=False)

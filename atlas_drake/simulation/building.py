@@ -86,7 +86,7 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        displays = _displays(robot, scenario, parts, outputs, meshcat, writer)
+        displays = _displays(robot, catalog, scenario, parts, outputs, meshcat, writer)
         diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
         run = RunDiagram(robot, scenario, diagram, bool(world), tick_seconds)
         on_error.pop_all()
@@ -109,6 +109,7 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
 
 def _displays(
     robot: Robot,
+    catalog: BehaviorCatalog,
     scenario: Scenario,
     parts: Parts,
     outputs: Outputs,
@@ -117,7 +118,6 @@ def _displays(
 ) -> Iterator[Extend]:
     """Yields what adds 3D view, log and video to a diagram, as far as there are any."""
     overlays = outputs.overlays
-    catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *parts.behaviors))
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 

@@ -12,7 +12,6 @@ from atlas_drake.messages import (
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
     Behavior,
-    Message,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT, PlannedPaths
@@ -23,6 +22,7 @@ from atlas_drake.records.column import Names
 from atlas_drake.records.schema import GROUPS, OPTIONAL
 from atlas_drake.records.tick_record import ContactForce
 from atlas_drake.systems.tick_recorder import landed_among
+from tests.filled import changed
 
 SPECIAL = (0.0, -0.0, 5e-324, -1e308, 0.1, 1.0, float("nan"))
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
@@ -129,22 +129,14 @@ def group_of(schema, name, random):
 def message_of(kind, random):
     """A message with random numbers in all fields."""
 
-    def fill(message):
-        for name in message.__dataclass_fields__:
-            value = getattr(message, name)
-            if isinstance(value, Message):
-                fill(value)
-            elif isinstance(value, list) and value:
-                [fill(part) for part in value]
-            elif isinstance(value, bool):
-                setattr(message, name, bool(random.integers(2)))
-            elif isinstance(value, int):
-                setattr(message, name, int(random.integers(-(2**40), 2**40)))
-            elif isinstance(value, float):
-                setattr(message, name, float(random.normal()))
-        return message
+    def other(value):
+        if isinstance(value, bool):
+            return bool(random.integers(2))
+        if isinstance(value, int):
+            return int(random.integers(-(2**40), 2**40))
+        return float(random.normal()) if isinstance(value, float) else value
 
-    return fill(kind())
+    return changed(kind(), other)
 
 
 @st.composite
