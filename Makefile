@@ -9,8 +9,7 @@ ARGS ?=
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-# What is installed; a variable, because a comma would end an argument of QUIETLY.
-EXTRAS := .[dev,plot]
+EXTRAS := .[dev]
 # Shows the output of a command only if the command fails.
 QUIETLY = output=$$($(1) 2>&1) || { echo "$$output"; exit 1; }
 

@@ -10,7 +10,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.configuration import Configuration
+from atlas_drake.config import Configuration
 from atlas_drake.robot import RobotFile
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.world_file import World

@@ -32,8 +32,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import EntryLimits, legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
-from atlas_drake.checked import as_plain
-from atlas_drake.configuration import LeastGreatest
+from atlas_drake.config import LeastGreatest, as_plain
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import RobotFile, load_robot

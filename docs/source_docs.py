@@ -1,6 +1,6 @@
 """Reads the docstrings of fields and constants from the source, for the reference.
 
-Fields and constants have strings after an assignment, see ``atlas_drake.field_docs``.
+Fields and constants have strings after an assignment, see ``atlas_drake.config``.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import textwrap
 from types import ModuleType
 from typing import Any
 
-from atlas_drake import field_docs
+from atlas_drake import config
 from atlas_drake.messages import Message
 
 
@@ -53,7 +53,7 @@ def attributes(cls: type) -> dict[str, str]:
 
 def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
     """The strings that follow assignments in a class or a module, as Markdown."""
-    told = field_docs.trailing_strings(owner)
+    told = config.trailing_strings(owner)
     return {name: paragraphs(text).replace("\n", " ") for name, text in told.items()}
 
 

@@ -20,7 +20,7 @@ from atlas_drake.campaigns.plan import case_list, make_trial
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.campaigns.trial_runner import TrialRunner
-from atlas_drake.configuration import LeastGreatest
+from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.messages.footstep import RIGHT, FootPose

@@ -14,7 +14,7 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.rotations import orientation, tilt_of, wrap_angle, yaw_of
 

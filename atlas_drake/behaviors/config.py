@@ -19,8 +19,7 @@ from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.checked import checked, declared
-from atlas_drake.configuration import Configuration
+from atlas_drake.config import Configuration, checked, declared
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ScenarioError, did_you_mean
 from atlas_drake.planning.footholds import Gait

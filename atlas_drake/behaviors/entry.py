@@ -16,7 +16,7 @@ from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus

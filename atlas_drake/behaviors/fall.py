@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from atlas_drake.configuration import Configuration, NotNegative, Share
+from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.configuration import Configuration, NotNegative, Share
+from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages.commands import BehaviorRequest
 

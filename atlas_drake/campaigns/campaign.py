@@ -15,13 +15,13 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.campaigns.conditions import check_conditions
 from atlas_drake.campaigns.distributions import check_distribution, example
 from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.checked import checked
-from atlas_drake.configuration import (
+from atlas_drake.config import (
     CheckedOnce,
     Configuration,
     NotNegative,
     Positive,
     Share,
+    checked,
 )
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario import Scenario, with_values

@@ -14,7 +14,7 @@ from atlas_drake.campaigns.report import (
     share_text,
 )
 from atlas_drake.campaigns.threshold import Record, Records
-from atlas_drake.numeric import is_number
+from atlas_drake.config import is_number
 
 Pairs = list[tuple[Record, Record]]
 

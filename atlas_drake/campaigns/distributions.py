@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.config import is_number
 from atlas_drake.errors import did_you_mean, shown
-from atlas_drake.numeric import is_number
 
 FORMS = {
     "uniform": "[lowest, highest]",

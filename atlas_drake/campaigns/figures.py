@@ -22,7 +22,7 @@ from atlas_drake.campaigns.report import (
     varied_paths,
 )
 from atlas_drake.campaigns.threshold import Record, Records, Search
-from atlas_drake.numeric import is_number
+from atlas_drake.config import is_number
 
 BINS, SECTORS = 8, 12
 """Numbers of groups of trials, by a value and by a direction."""

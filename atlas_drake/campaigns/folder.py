@@ -25,7 +25,7 @@ from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.sources import Sources
-from atlas_drake.checked import as_plain, checked
+from atlas_drake.config import as_plain, checked
 from atlas_drake.errors import shown
 from atlas_drake.scenario.differences import flat
 

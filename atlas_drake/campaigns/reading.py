@@ -14,7 +14,7 @@ from typing import Any
 from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
 from atlas_drake.campaigns.distributions import is_distribution
 from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.checked import checked, read_yaml
+from atlas_drake.config import checked, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario import (
     Scenario,

@@ -13,7 +13,7 @@ from atlas_drake.campaigns.conditions import figure_of
 from atlas_drake.campaigns.metrics import FIRST_FAILURE, FIRST_FAILURE_AT
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Record, Records, Search
-from atlas_drake.numeric import is_number
+from atlas_drake.config import is_number
 
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""

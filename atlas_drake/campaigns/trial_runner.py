@@ -22,9 +22,8 @@ from atlas_drake.campaigns.metrics import METRICS, Figures
 from atlas_drake.campaigns.plan import Trial, parameters_of, scenario_of
 from atlas_drake.campaigns.shipped_trials import TRIALS
 from atlas_drake.campaigns.sources import Sources
-from atlas_drake.checked import as_plain, checked
+from atlas_drake.config import as_float, as_plain, checked, is_number, plain_number
 from atlas_drake.errors import shown
-from atlas_drake.numeric import as_float, is_number, plain_number
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario

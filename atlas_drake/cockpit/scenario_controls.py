@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.checked import read_yaml
 from atlas_drake.cockpit.clock_controls import ClockControls
 from atlas_drake.cockpit.next_run import NextRun
 from atlas_drake.cockpit.record import Recorded
 from atlas_drake.cockpit.setting_list import EXAMPLES
+from atlas_drake.config import read_yaml
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Scenario, load_scenario

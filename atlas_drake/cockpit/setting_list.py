@@ -13,9 +13,8 @@ from typing import Annotated, Any
 from annotated_types import Ge, Gt, Interval, Le, Lt
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.checked import as_plain, joined
 from atlas_drake.cockpit.settings import Setting, SettingsCard
-from atlas_drake.field_docs import trailing_strings
+from atlas_drake.config import as_plain, joined, trailing_strings
 from atlas_drake.robot.load import available_robots
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import is_of_a_run

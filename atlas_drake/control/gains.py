@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 
 
 @dataclass(frozen=True)

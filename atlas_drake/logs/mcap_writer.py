@@ -16,7 +16,7 @@ from mcap.writer import CompressionType, Writer
 from pydrake.common.yaml import yaml_dump
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs.foxglove import (
     SCHEMAS,

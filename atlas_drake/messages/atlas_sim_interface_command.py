@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import PlainValidator
 
+from atlas_drake.config import plain_number
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_params import (
@@ -18,7 +19,6 @@ from atlas_drake.messages.behavior_params import (
 )
 from atlas_drake.messages.fields import Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
-from atlas_drake.numeric import plain_number
 
 
 @dataclass(slots=True, eq=False)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from atlas_drake.configuration import finished_by
+from atlas_drake.config import finished_by
 from atlas_drake.errors import did_you_mean
 
 if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from atlas_drake.config import is_whole
 from atlas_drake.errors import (
     AtlasError,
     ErrorCode,
@@ -31,7 +32,6 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorWalkParams,
 )
 from atlas_drake.messages.fields import MAX_INDEX
-from atlas_drake.numeric import is_whole
 
 FIRST_NUMBER = 100
 """Lowest number of a user's own behavior; lower numbers belong to the original

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from annotated_types import Interval
 from pydantic import AfterValidator, WrapValidator
 
+from atlas_drake.config import is_whole
 from atlas_drake.errors import ErrorCode, InvalidMessageError
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.fields import (
@@ -23,7 +24,6 @@ from atlas_drake.messages.fields import (
     not_zero,
 )
 from atlas_drake.messages.geometry import Pose, Vector3
-from atlas_drake.numeric import is_whole
 
 NUM_REQUIRED_WALK_STEPS = 4
 """Number of steps that WALK previews; the length of a step queue."""

@@ -8,9 +8,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from atlas_drake.config import as_float, is_whole
 from atlas_drake.errors import InvalidMessageError, shown
 from atlas_drake.messages.fields import LARGEST
-from atlas_drake.numeric import as_float, is_whole
 
 
 def check_number(

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.config import as_float, is_whole
 from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import Behavior
@@ -18,7 +19,6 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import AtlasBehaviorFeedback
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep
-from atlas_drake.numeric import as_float, is_whole
 
 LARGEST_SUPPORT = 8
 """Greatest number of corners of the support polygon of two rectangular soles."""

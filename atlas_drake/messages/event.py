@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from atlas_drake.config import as_float
 from atlas_drake.errors import shown
-from atlas_drake.numeric import as_float
 
 STEPS_LEFT = "steps left"
 """Kind of the event for requested steps that were not taken."""

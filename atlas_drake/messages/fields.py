@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator
 from pydantic_core import core_schema
 
-from atlas_drake.numeric import plain_number
+from atlas_drake.config import plain_number
 
 LARGEST = 1e12
 """Greatest magnitude of a number in a message, in any unit: products of larger numbers

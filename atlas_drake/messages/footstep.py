@@ -12,10 +12,10 @@ from typing import NoReturn
 
 import numpy as np
 
+from atlas_drake.config import as_float
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior_params import ToeOff
-from atlas_drake.numeric import as_float
 from atlas_drake.rotations import rotation_with_normal, yaw_of
 
 LEFT, RIGHT = 0, 1

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
+from atlas_drake.config import is_number
 from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.base import Message
-from atlas_drake.numeric import is_number
 
 
 def message_from(

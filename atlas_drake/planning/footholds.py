@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-from atlas_drake.configuration import Configuration, Positive
+from atlas_drake.config import Configuration, Positive
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.control.feet.step_limits import StepLimits

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.config import is_whole
 from atlas_drake.errors import shown
-from atlas_drake.numeric import is_whole
 
 DEEPEST = 16
 """Greatest nesting depth that is kept; no valid message is nested deeper."""

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Len, MinLen
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive, Vector
+from atlas_drake.config import Configuration, NotNegative, Positive, Vector
 from atlas_drake.errors import ScenarioError
 
 LEGS = ("l_leg", "r_leg")

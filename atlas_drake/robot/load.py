@@ -16,7 +16,7 @@ import numpy as np
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.checked import checked, read_yaml
+from atlas_drake.config import checked, read_yaml
 from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.file import RobotFile

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from atlas_drake.checked import as_plain, joined
+from atlas_drake.config import as_plain, joined
 from atlas_drake.scenario.scenario import Scenario
 
 OF_A_RUN = (

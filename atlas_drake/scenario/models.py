@@ -12,18 +12,44 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from annotated_types import Len
+from pydantic_core import core_schema
 from pydrake.common.schema import Transform
+from pydrake.common.yaml import yaml_dump, yaml_load_typed
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
-from atlas_drake.checked import Pose, joined
-from atlas_drake.configuration import Configuration
+from atlas_drake.config import Configuration, joined
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
+
+
+class Pose:
+    """Annotation of a field that holds Drake's ``Transform``."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Describes to pydantic how a pose is read; its rotation has several forms."""
+        return core_schema.no_info_plain_validator_function(_pose)
+
+
+def _pose(value: Any) -> Transform:
+    if isinstance(value, Transform):
+        return value
+    try:
+        if isinstance(value, RigidTransform):
+            return Transform(value)
+        if isinstance(value, Mapping):
+            text = yaml_dump(dict(value))
+            pose: Transform = yaml_load_typed(schema=Transform, data=text)
+            return pose
+    except Exception as error:  # Drake raises several kinds.
+        why = str(error).partition("\n")[0].removeprefix("(): ")
+        raise ValueError(f"is {shown(value)}: {why}") from error
+    wanted = "a pose, such as {translation: [1.0, 0.0, 0.5]}"
+    raise ValueError(f"is {shown(value)}; must be {wanted}")
 
 
 @dataclass(frozen=True)

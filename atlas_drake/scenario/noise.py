@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen
 

@@ -15,7 +15,7 @@ import numpy as np
 from annotated_types import Interval, Len, MinLen
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from atlas_drake.configuration import Configuration, Vector
+from atlas_drake.config import Configuration, Vector
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.terrain import Block
 

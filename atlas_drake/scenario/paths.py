@@ -9,7 +9,7 @@ import itertools
 import re
 from typing import Any
 
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.errors import ScenarioError, shown
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")

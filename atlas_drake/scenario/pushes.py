@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.errors import ScenarioError
 
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"

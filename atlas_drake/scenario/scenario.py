@@ -16,8 +16,17 @@ from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.checked import As, OfDrake, as_plain, checked, read_yaml
-from atlas_drake.configuration import CheckedOnce, Configuration, NotNegative, Positive
+from atlas_drake.config import (
+    As,
+    CheckedOnce,
+    Configuration,
+    NotNegative,
+    OfDrake,
+    Positive,
+    as_plain,
+    checked,
+    read_yaml,
+)
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydrake.common.yaml import yaml_dump
 
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.scenario import Scenario
 from atlas_drake.scenario.time_grid import nominal_period

@@ -12,7 +12,7 @@ import numpy as np
 from annotated_types import Interval, Len
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from atlas_drake.configuration import Configuration, Positive, Share, Vector
+from atlas_drake.config import Configuration, Positive, Share, Vector
 from atlas_drake.errors import ScenarioError
 
 GROUND_SIZE, GROUND_THICKNESS = 2e4, 100.0

@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from atlas_drake.checked import checked, joined
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative, checked, joined
 from atlas_drake.errors import InvalidMessageError, ScenarioError
 from atlas_drake.messages import (
     AtlasCommand,

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.checked import checked, read_yaml
-from atlas_drake.configuration import Configuration, Vector
+from atlas_drake.config import Configuration, Vector, checked, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.load import MODELS_FOLDER

@@ -21,7 +21,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.checked import checked
+from atlas_drake.config import as_float, checked
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.diagrams.parts import Extend, Parts
 from atlas_drake.errors import (
@@ -42,7 +42,6 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event, RunEvent
-from atlas_drake.numeric import as_float
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.scenario import Seed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atlas_drake.checked import checked
+from atlas_drake.config import checked
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog

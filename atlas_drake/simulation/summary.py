@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from atlas_drake.behaviors.footsteps import landed_elsewhere
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.systems.estimation_error import error_sizes
 

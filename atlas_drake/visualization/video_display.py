@@ -18,9 +18,9 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
+from atlas_drake.config import is_whole
 from atlas_drake.errors import shown
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
-from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.models import world_of

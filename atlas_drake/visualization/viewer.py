@@ -15,8 +15,8 @@ from typing import Protocol
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake.addresses import LOCALHOST, is_private
+from atlas_drake.config import is_whole
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.numeric import is_whole
 
 VIEWER_PATIENCE = 15.0
 """Longest time that the start waits for a browser [s]."""

@@ -20,7 +20,7 @@ from atlas_drake import (
     StepStream,
     steps_ahead,
 )
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.simulation.snapshot import Snapshot
 
 STRIDE, DURATION = 0.25, 0.63

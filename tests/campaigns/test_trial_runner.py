@@ -14,7 +14,7 @@ from atlas_drake.campaigns.runner import Shard, missing_trials
 from atlas_drake.campaigns.shipped_trials import walk
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.trial_runner import TrialRunner
-from atlas_drake.configuration import Share
+from atlas_drake.config import Share
 from atlas_drake.scenario import Scenario, with_settings
 
 from .conftest import record

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.configuration import LeastGreatest
+from atlas_drake.config import LeastGreatest
 from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     StepAdjustmentLimits,

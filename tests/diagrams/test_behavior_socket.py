@@ -24,8 +24,7 @@ from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.checked import as_plain
-from atlas_drake.configuration import NotNegative, Share
+from atlas_drake.config import NotNegative, Share, as_plain
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,

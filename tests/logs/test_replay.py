@@ -13,7 +13,7 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.frozen import replace
 from atlas_drake.scenario.scenario import LogContent

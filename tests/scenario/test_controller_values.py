@@ -6,7 +6,7 @@ import pytest
 
 from atlas_drake import ScenarioError
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.robot import MODELS_FOLDER, available_robots
 from atlas_drake.scenario import Scenario, scenario_from, with_settings
 from atlas_drake.scenario.noise import NOISE_MODELS, NoiseModel

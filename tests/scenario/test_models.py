@@ -10,7 +10,7 @@ from pydrake.common.yaml import yaml_dump, yaml_load
 from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation, Model, Scenario, ScenarioError, load_scenario
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.scenario import scenario_from
 
 EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"

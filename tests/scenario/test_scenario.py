@@ -16,7 +16,7 @@ from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.campaigns import load_campaign
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
 from atlas_drake.errors import RobotDescriptionError, shown

@@ -9,7 +9,7 @@ import pytest
 from pydrake.common.yaml import yaml_dump, yaml_load
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
-from atlas_drake.checked import as_plain
+from atlas_drake.config import as_plain
 from atlas_drake.scenario import scenario_from, with_settings
 from atlas_drake.scenario.terrain import surface_height
 from atlas_drake.scenario.world_file import World, available_worlds, load_world

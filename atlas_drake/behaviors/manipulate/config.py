@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisLead,
     PelvisRange,

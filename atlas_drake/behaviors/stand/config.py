@@ -5,7 +5,7 @@ Values only; ``stand`` uses them.
 
 from dataclasses import dataclass
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.step.plan import PostureRules
-from atlas_drake.configuration import (
+from atlas_drake.config import (
     Configuration,
     NotNegative,
     Positive,

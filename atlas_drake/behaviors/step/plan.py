@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.configuration import Configuration, NotNegative, Share
+from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.feet.footstep import resolve_height, saturate
 from atlas_drake.control.feet.leg_kinematics import (
     highest_com,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.timing import GaitTiming
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive, Share
+from atlas_drake.config import Configuration, NotNegative, Positive, Share
 
 
 @dataclass(frozen=True)

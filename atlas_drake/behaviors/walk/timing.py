@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from atlas_drake.configuration import Configuration, NotNegative, ProperShare
+from atlas_drake.config import Configuration, NotNegative, ProperShare
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.estimation.attitude import (
     rotation_matrix,
     turned,

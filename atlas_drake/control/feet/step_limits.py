@@ -8,16 +8,16 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator
 
-from atlas_drake.configuration import (
+from atlas_drake.config import (
     Configuration,
     LeastGreatest,
     NotNegative,
     Positive,
     Range,
+    is_number,
 )
 from atlas_drake.errors import ScenarioError
 from atlas_drake.frozen import replace
-from atlas_drake.numeric import is_number
 
 LONGEST = 3.0
 """Longest duration of a step where only the shortest is given [s]. A setting may

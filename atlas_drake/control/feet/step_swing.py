@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.swing_foot import (
     SwingReference,
     quintic_progress,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import (
+from atlas_drake.config import (
     Configuration,
     NotNegative,
     Positive,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.configuration import (
+from atlas_drake.config import (
     Configuration,
     LeastGreatest,
     NotNegative,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative, Share
+from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.control.whole_body.model import GRAVITY

@@ -1,31 +1,193 @@
-"""Reads and checks configurations by pydantic, with this package's error messages.
+"""Declares, reads and checks configurations by pydantic.
 
-Accepts the mapping of a YAML file and a value made in Python. What the fields may be is
-declared beside them, see ``configuration``.
+Accepts the mapping of a YAML file and a value made in Python. A field's bounds stand
+in its annotation, its text in the string below it.
 """
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import functools
+import inspect
+import math
 import operator
 import re
 import types
 import typing
-from collections.abc import Mapping
-from typing import Annotated, Any
+from collections.abc import Callable, Mapping, Sequence
+from numbers import Integral, Real
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard
 
 import numpy as np
 import yaml
-from pydantic import TypeAdapter, ValidationError
+from annotated_types import Ge, Gt, Interval, Len
+from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationError
 from pydantic_core import core_schema
-from pydrake.common.schema import Transform
-from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load, yaml_load_typed
-from pydrake.math import RigidTransform
 
-from atlas_drake.configuration import Configuration, take_yaml
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
-from atlas_drake.numeric import is_number, plain_number
+
+_NOT_NUMBERS = (bool, np.bool_, np.timedelta64)
+"""Truth values, and durations, which numpy counts as integers."""
+
+
+def is_number(value: object) -> TypeGuard[Real]:
+    """Returns True if the type of a value is that of a real number."""
+    return isinstance(value, Real) and not isinstance(value, _NOT_NUMBERS)
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Returns True if the type of a value is that of a whole number."""
+    return isinstance(value, Integral) and not isinstance(value, _NOT_NUMBERS)
+
+
+def as_float(value: object) -> float | None:
+    """Converts a number to float, infinite if too large; returns None for others."""
+    if type(value) is float:
+        return value
+    if not is_number(value):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf  # type: ignore[operator]
+    except (TypeError, ValueError):
+        return None
+
+
+def plain_number(value: object) -> object:
+    """Converts a number to ``int`` or ``float``, and returns other values unchanged.
+
+    Truth values of numpy become Python's, and numbers of numpy and fractions the
+    nearest float, so that code after a check can calculate with them. A number beyond
+    the range of a float is not changed, for a check to refuse.
+    """
+    if isinstance(value, np.float64):
+        return float(value)  # A subclass of float.
+    if isinstance(value, np.bool_):
+        return bool(value)
+    if isinstance(value, (float, int)) or not is_number(value):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    number = as_float(value)
+    return value if number is None or math.isinf(number) else number
+
+
+Positive = Annotated[float, Gt(0.0)]
+"""A number above 0, such as a divisor."""
+NotNegative = Annotated[float, Ge(0.0)]
+"""A number that is 0 or more."""
+Share = Annotated[float, Interval(ge=0.0, le=1.0)]
+"""A share of a whole [-]."""
+ProperShare = Annotated[float, Interval(gt=0.0, lt=1.0)]
+"""A share of a whole, neither 0 nor 1 [-]."""
+Vector = Annotated[list[float], Len(3, 3)]
+"""Three numbers."""
+
+
+class LeastGreatest(NamedTuple):
+    """A least and a greatest value."""
+
+    least: float
+    greatest: float
+
+
+def _two_numbers(value: Any) -> Any:
+    if isinstance(value, list | tuple) and len(value) == 2:
+        return value
+    raise ValueError(f"is {shown(value)}; must be two numbers, the least and greatest")
+
+
+def _in_order(value: LeastGreatest) -> LeastGreatest:
+    if value.least > value.greatest:
+        raise ValueError(f"is {list(value)}; the least must not exceed the greatest")
+    return value
+
+
+Range = Annotated[
+    LeastGreatest, BeforeValidator(_two_numbers), AfterValidator(_in_order)
+]
+"""A least and a greatest value, ``[least, greatest]`` in YAML."""
+
+
+class Configuration:
+    """Base of the frozen dataclasses that YAML files are read into.
+
+    They are plain dataclasses, which pydantic reads by their annotations: making and
+    replacing one in a control tick costs no check.
+    """
+
+    __pydantic_config__: ClassVar[dict[str, Any]] = {
+        "arbitrary_types_allowed": True,
+        "extra": "forbid",
+        "strict": True,
+        "allow_inf_nan": False,
+    }
+
+    def check(self) -> None:
+        """Checks what types and bounds of single fields do not express.
+
+        Raises:
+            ValueError: Describes the fault; a ``ScenarioError`` names the field, too,
+                as a path from this value.
+        """
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> dict[str, Any]:
+        """Describes the class to pydantic."""
+        schema = take_yaml(handler(source), handler)
+        return finished_by(_after_check, schema, handler)
+
+
+def take_yaml(schema: dict[str, Any], handler: Any) -> dict[str, Any]:
+    """Lets a strict schema take mappings for dataclasses, and lists for tuples."""
+    whole = handler.resolve_ref_schema(schema)
+    whole["strict"] = False
+    pending: list[Any] = [whole["schema"]]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, dict):
+            pending += part.values()
+            if part.get("type") == "tuple":
+                part["strict"] = False
+        elif isinstance(part, list):
+            pending += part
+    return schema
+
+
+def finished_by(
+    function: Callable[[Any], Any], schema: dict[str, Any], handler: Any
+) -> dict[str, Any]:
+    """Lets pydantic hand each value of a class to ``function``, which returns it."""
+    # In place, because other places of the same type refer to this description.
+    whole = handler.resolve_ref_schema(schema)
+    fields = {name: part for name, part in whole.items() if name != "ref"}
+    whole.pop("schema")
+    after = {"type": "no-info", "function": function}
+    whole.update(type="function-after", function=after, schema=fields)
+    for name in fields.keys() - {"type", "schema", "metadata"}:
+        whole.pop(name, None)
+    return schema
+
+
+class CheckedOnce(Configuration):
+    """A configuration that remembers its check; ``replace`` makes one without."""
+
+    is_checked: ClassVar[bool] = False
+
+    def mark_checked(self) -> Self:
+        """Marks a value as checked, and returns it."""
+        object.__setattr__(self, "is_checked", True)
+        return self
+
+
+def _after_check(value: Configuration) -> Configuration:
+    value.check()
+    return value
+
 
 LARGEST = 1e6
 """Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
@@ -78,6 +240,8 @@ def read_yaml(text: str) -> Any:
         elif isinstance(event, yaml.AliasEvent) and event.anchor in around:
             problem = f"the alias *{event.anchor} stands within what it names"
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+    from pydrake.common.yaml import yaml_load
+
     return yaml_load(data=text)
 
 
@@ -94,8 +258,10 @@ def overlaid(base: Any, given: Any) -> Any:
 
 def as_plain(value: Any) -> Any:
     """Converts the value to mappings, lists and plain values, as in YAML."""
-    if isinstance(value, Transform):
-        return yaml_load(data=yaml_dump_typed(value))
+    if _is_drake_pose(value):
+        from pydrake.common.yaml import yaml_dump_typed
+
+        return read_yaml(yaml_dump_typed(value))
     if isinstance(value, list | tuple):
         return [as_plain(element) for element in value]
     if (names := _names(type(value))) is not None:
@@ -134,31 +300,6 @@ class As:
         return handler.generate_schema(self.kind)
 
 
-class Pose:
-    """Annotation of a field that holds Drake's ``Transform``."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Describes to pydantic how a pose is read; its rotation has several forms."""
-        return core_schema.no_info_plain_validator_function(_pose)
-
-
-def _pose(value: Any) -> Transform:
-    if isinstance(value, Transform):
-        return value
-    try:
-        if isinstance(value, RigidTransform):
-            return Transform(value)
-        if isinstance(value, Mapping):
-            text = yaml_dump(dict(value))
-            pose: Transform = yaml_load_typed(schema=Transform, data=text)
-            return pose
-    except Exception as error:  # Drake raises several kinds.
-        why = str(error).partition("\n")[0].removeprefix("(): ")
-        raise ValueError(f"is {shown(value)}: {why}") from error
-    wanted = "a pose, such as {translation: [1.0, 0.0, 0.5]}"
-    raise ValueError(f"is {shown(value)}; must be {wanted}")
-
-
 @functools.cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(declared(kind))
@@ -178,6 +319,11 @@ class _Mapping:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return take_yaml(handler(source), handler)
+
+
+def _is_drake_pose(value: Any) -> bool:
+    """Returns True for Drake's ``Transform``, without loading Drake."""
+    return type(value).__name__ == "Transform"
 
 
 def _names(kind: Any) -> dict[str, Any] | None:
@@ -204,7 +350,7 @@ def _defaults(kind: Any) -> Any:
 
 def _plain(value: Any, from_text: bool = False) -> Any:
     """Converts structures to mappings, and numbers and sequences to Python's own."""
-    if isinstance(value, Transform | type):
+    if isinstance(value, type) or _is_drake_pose(value):
         return value
     if isinstance(value, str):
         is_exponent = from_text and _EXPONENT.fullmatch(value)
@@ -317,3 +463,37 @@ def joined(path: str, name: object) -> str:
 
 def _wrong(path: str, value: object, wanted: str) -> ScenarioError:
     return ScenarioError.about(path or "scenario", value, f"must be {wanted}")
+
+
+def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
+    """Returns the string after each assignment in a class or a module, by name.
+
+    Raises:
+        OSError: If there is no source.
+    """
+    body = _body(str(inspect.getsourcefile(owner)))
+    if inspect.isclass(owner):
+        for name in owner.__qualname__.split("."):
+            body = next(
+                (one.body for one in body if getattr(one, "name", None) == name),  # type: ignore[attr-defined]
+                [],
+            )
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for node in body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names = [node.target.id]
+        elif isinstance(node, ast.Assign):
+            names = [t.id for t in node.targets if isinstance(t, ast.Name)]
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            found |= dict.fromkeys(names, inspect.cleandoc(str(node.value.value)))
+            names = []
+        else:
+            names = []
+    return found
+
+
+@functools.lru_cache(maxsize=64)
+def _body(path: str) -> Sequence[ast.stmt]:
+    """Parses a file once for all its classes."""
+    return ast.parse(Path(path).read_text()).body
