@@ -17,7 +17,7 @@ from atlas_drake.scenario.timed_message import TimedMessage
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.simulation.snapshot import Snapshot
+    from atlas_drake.simulation.run_log import Snapshot
 
 Done = TimedMessage | PlannedPush
 
