@@ -19,7 +19,7 @@ RADIUS, TARGET = 0.045, 0.065
 
 
 def spread(places: Sequence[Point]) -> list[Point]:
-    """Moves places apart that are nearer than ``LEAST``, so that each can be clicked."""
+    """Moves places apart that are closer than ``LEAST``, to click each of them."""
     now = [[x + 1e-4 * i, y - 2e-4 * i] for i, (x, y) in enumerate(places)]
     for _ in range(TURNS):
         for i, one in enumerate(now):
