@@ -253,11 +253,6 @@ def ready(
     """Returns robot and scenario as a station uses them.
 
     The scenario is resolved, its steps are on the common grid, and it names the robot.
-
-    Args:
-        robot: The robot; None loads the scenario's.
-        scenario: The scenario; None is the default one.
-        behaviors: Entries of the user's own behaviors.
     """
     scenario = scenario or Scenario()
     robot = robot or load_robot(scenario.model)
@@ -271,13 +266,7 @@ def make_whole_body_controller(
     scenario: Scenario,
     entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
 ) -> WholeBodyController:
-    """Makes the default controller of a station.
-
-    Args:
-        robot: Robot to control.
-        scenario: Scenario of the station, as a controller's callable gets it.
-        entries: Entries of the behaviors.
-    """
+    """Makes the default controller of a station."""
     entries = tuple(entries)
     tuning, period = scenario.controller_config(entries), scenario.control_period
     return WholeBodyController(robot, tuning, period, scenario.behavior(), entries)
@@ -340,11 +329,7 @@ def _add_estimator(
     plant: MultibodyPlant,
     signals: Mapping[str, OutputPort],
 ) -> dict[str, OutputPort]:
-    """Adds the state estimator, its IMU, and the measure of its error.
-
-    Returns:
-        Their signals by name.
-    """
+    """Adds the state estimator, its IMU, and the measure of its error."""
     step, period = scenario.physics_step, scenario.control_period
     noise = noise_model(scenario.noise)
     imu = builder.AddNamedSystem(

@@ -114,12 +114,7 @@ def _add_scheduler(
 
 
 def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None:
-    """Lets a user's callable add to the diagram.
-
-    Raises:
-        AtlasError: If Drake could not build the diagram after that; on names that are
-            there twice it would end the program.
-    """
+    """Lets a user's callable add to the diagram."""
     ours = {system.get_name() for system in builder.GetSystems()}
     try:
         extend(builder, station)

@@ -38,21 +38,7 @@ def make_replay(
     *,
     world: Sequence[WorldMaker] = (),
 ) -> Diagram:
-    """Builds a diagram that displays a log like the run.
-
-    Args:
-        log: Log of the run.
-        meshcat: Meshcat instance to draw in; None for no 3D view.
-        overlays: Switches of the overlays, of ``LOGGED``.
-        video: Settings of a video; None for no video.
-        world: The callables of the run's world. A log holds the appearance of the
-            scenario's models, but only the motion of other models.
-
-    Raises:
-        LogError: If the log lacks a required channel, or this version of the program
-            cannot read its scenario.
-        VideoError: If the video cannot be made.
-    """
+    """Builds a diagram that displays a log like the run."""
     builder = DiagramBuilder()
     robot = log.robot  # Loaded first, so that a missing robot is the first error.
     beside_robot = (*world_of(log.scenario.all_models()), *world)
@@ -78,16 +64,7 @@ def make_replay(
 
 
 def make_replay_beside(log: Log, meshcat: Meshcat, path: str) -> Diagram:
-    """Builds a diagram that draws the robot of a log alone, under a path.
-
-    Args:
-        log: Log of the run.
-        meshcat: Meshcat instance to draw in.
-        path: Path of the robot in the 3D view, whose transform places it.
-
-    Raises:
-        LogError: As ``make_replay``.
-    """
+    """Builds a diagram that draws the robot of a log alone, under a path."""
     builder = DiagramBuilder()
     builder.AddNamedSystem("station", _make_station(log, scenery=False))
     station: Any = builder.GetSubsystemByName("station")

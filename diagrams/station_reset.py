@@ -34,15 +34,7 @@ def begin_run(
     terrain: Sequence[Block],
     friction: float,
 ) -> None:
-    """Sets the values in a default context that differ between runs.
-
-    Args:
-        station: An AtlasStation.
-        root: Context of the diagram that holds the station.
-        seed: Seed of the sensors' noise.
-        terrain: Blocks on the ground.
-        friction: Friction coefficient of the ground [-].
-    """
+    """Sets the values in a default context that differ between runs."""
     for name in ("robot_sensors", "inertial_sensor"):
         if station.HasSubsystemNamed(name):
             sensor: Any = station.GetSubsystemByName(name)
@@ -54,13 +46,7 @@ def begin_run(
 
 
 def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
-    """Resets joint controllers, sensors, commands and behaviors.
-
-    Args:
-        station: An AtlasStation.
-        root: Context of the diagram that holds the station.
-        behavior: The behavior to begin with.
-    """
+    """Resets joint controllers, sensors, commands and behaviors."""
     for names, arguments in ((_FORGET, ()), (_BEGIN, (behavior,))):
         for name in names:
             if station.HasSubsystemNamed(name):

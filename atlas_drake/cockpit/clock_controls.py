@@ -12,7 +12,7 @@ from atlas_drake.messages.checks import check_number
 if TYPE_CHECKING:
     from atlas_drake.scenario import Scenario
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.simulation.snapshot import Snapshot
+    from atlas_drake.simulation.run_log import Snapshot
 
 SINGLE_STEP = 0.02
 """Simulated time of a single step [s]."""

@@ -31,12 +31,7 @@ class Link:
             self.is_open = False
 
     def take(self, most: int, timeout: float = 0.0) -> list[Any]:
-        """Returns what has come, at most ``most`` values.
-
-        Args:
-            most: Greatest number of values.
-            timeout: Time to wait for the first one [s].
-        """
+        """Returns what has come, at most ``most`` values."""
         values: list[Any] = []
         try:
             while len(values) < most and self._connection.poll(timeout):

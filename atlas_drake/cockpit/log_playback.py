@@ -38,12 +38,7 @@ REPLAY_CONTROLS = {
 
 
 class LogPlayback:
-    """A log with a present; it has the controls of a log's page as methods.
-
-    Attributes:
-        time: The present [s].
-        paused: True while time stands still.
-    """
+    """A log with a present; it has the controls of a log's page as methods."""
 
     def __init__(
         self,
@@ -53,15 +48,7 @@ class LogPlayback:
         overlays: Overlays,
         beside: Log | None = None,
     ) -> None:
-        """Begins at the log's begin, and plays.
-
-        Args:
-            log: The log.
-            diagrams: Draw the log, and the one beside it, at the time of their context.
-            meshcat: Where they draw.
-            overlays: Switches of what they draw.
-            beside: Log that is plotted beside; None for none.
-        """
+        """Begins at the log's begin, and plays."""
         self._log, self._beside = log, beside
         self._simulators = [Simulator(diagram) for diagram in diagrams]
         self._begin, self._end = float(log.time[0]), float(log.time[-1])
@@ -80,12 +67,7 @@ class LogPlayback:
     # ---- orders --------------------------------------------------------------
 
     def do(self, order: Order) -> Any:
-        """Carries an order out; returns what its control returns.
-
-        Raises:
-            InvalidMessageError: If a log has no such control, or a value cannot be
-                used.
-        """
+        """Carries an order out; returns what its control returns."""
         group, _, name = order.control.partition(".")
         if name not in REPLAY_CONTROLS.get(group, ()) and name in CONTROLS.get(
             group, ()

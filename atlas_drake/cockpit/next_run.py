@@ -14,12 +14,7 @@ NO_OTHER = (
 
 @dataclass
 class NextRun:
-    """Holds the scenario that was asked for until the program takes it.
-
-    Attributes:
-        why_not: Why there can be none; empty if there can.
-        scenario: The scenario; None if none was asked for.
-    """
+    """Holds the scenario that was asked for until the program takes it."""
 
     why_not: str = NO_OTHER
     scenario: Scenario | None = None

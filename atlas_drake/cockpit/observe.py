@@ -85,12 +85,7 @@ class Observer:
 
 
 def state_of(record: TickRecord, catalog: BehaviorCatalog) -> RunState:
-    """Reads from a record what the page shows; nobody commands, and time stands still.
-
-    Args:
-        record: Of a run or of a log.
-        catalog: The behaviors of the run.
-    """
+    """Reads from a record what the page shows; nobody commands, time stands still."""
     joints, balance, feet = record.joints, record.balance, record.feet
     flags = BehaviorStatus(record.behavior.status_flags)
     clamped = record.manipulate.clamped

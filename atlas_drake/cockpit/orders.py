@@ -12,13 +12,7 @@ ACKNOWLEDGED = "acknowledged"
 
 @dataclass(frozen=True)
 class Order:
-    """One use of a control.
-
-    Attributes:
-        control: Group and name, such as ``walk.steer``.
-        values: Arguments by name.
-        number: Number of the order, for the reply.
-    """
+    """One use of a control."""
 
     control: str
     values: Mapping[str, Any] = field(default_factory=dict)
@@ -27,13 +21,7 @@ class Order:
 
 @dataclass(frozen=True)
 class Reply:
-    """What became of an order.
-
-    Attributes:
-        number: Number of the order.
-        value: What the control returned.
-        problem: Why it was refused; empty if it was not.
-    """
+    """What became of an order."""
 
     number: int
     value: Any = None
@@ -42,12 +30,7 @@ class Reply:
 
 @dataclass(frozen=True)
 class Notice:
-    """Something that every viewer is told.
-
-    Attributes:
-        text: What it is.
-        lasting: True if the page goes on to show it beside the scenario.
-    """
+    """Something that every viewer is told."""
 
     text: str
     lasting: bool = False

@@ -17,7 +17,7 @@ from atlas_drake.scenario.timed_message import TimedMessage
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.simulation.snapshot import Snapshot
+    from atlas_drake.simulation.run_log import Snapshot
 
 Done = TimedMessage | PlannedPush
 
@@ -135,13 +135,7 @@ def _later(planned: Sequence[Any], begin: float) -> list[Any]:
 
 
 def planned_push(body: str, force_W: Sequence[float], duration: float) -> PlannedPush:
-    """Returns a push as a scenario has it, at time 0.
-
-    Args:
-        body: Name of the link.
-        force_W: Force in W [N], shape (3,).
-        duration: How long it lasts [s].
-    """
+    """Returns a push as a scenario has it, at time 0."""
     x, y, z = map(float, np.asarray(force_W) * duration)
     return PlannedPush(
         impulse=math.hypot(x, y),
@@ -155,12 +149,7 @@ def planned_push(body: str, force_W: Sequence[float], duration: float) -> Planne
 
 
 def brief(plain: Any, blank: Any) -> Any:
-    """Returns what a message has beyond a blank one, both as plain data.
-
-    Args:
-        plain: The message.
-        blank: A blank message of its kind.
-    """
+    """Returns what a message has beyond a blank one, both as plain data."""
     if isinstance(plain, dict) and isinstance(blank, dict):
         return {
             name: brief(value, blank.get(name))

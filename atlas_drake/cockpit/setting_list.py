@@ -40,12 +40,7 @@ _UNIT = re.compile(r"\[([^\[\]]+)\]")
 
 
 def settings_card(scenario: Scenario, why_not: str) -> SettingsCard:
-    """Describes a resolved scenario.
-
-    Args:
-        scenario: The scenario.
-        why_not: Why no other can be started; empty if it can.
-    """
+    """Describes a resolved scenario."""
     return SettingsCard(
         name=scenario.name,
         settings=tuple(list_settings(scenario)),

@@ -8,20 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Setting:
-    """One field of a scenario.
-
-    Attributes:
-        path: Path of the field, such as ``controller.gains.dcm_gain``.
-        value: Its value in the present run, as in YAML.
-        usual: The value that the robot has without a scenario.
-        text: What it is.
-        unit: Its unit; empty without one.
-        kind: number, flag, choice, or yaml for all else.
-        bounds: What the number may be, in words; empty without bounds.
-        choices: What the value may be, where there is a choice.
-        needs: What a change needs: "a new run", or "a restart", which builds the
-            simulation anew.
-    """
+    """One field of a scenario."""
 
     path: str
     value: Any
@@ -42,19 +29,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class SettingsCard:
-    """The settings of a run, and what another one can begin with.
-
-    Attributes:
-        name: Name of the scenario.
-        settings: Its fields.
-        robot: Name or file of the robot.
-        world: Name or file of the world.
-        seed: Seed of the run.
-        robots: Names of the known robots.
-        worlds: Names of the known worlds.
-        examples: Names of the known scenarios.
-        why_not: Why no other simulation can be started; empty if one can.
-    """
+    """The settings of a run, and what another one can begin with."""
 
     name: str
     settings: tuple[Setting, ...]
@@ -83,14 +58,7 @@ SHOWN = 40
 def matching(
     settings: tuple[Setting, ...], words: str, pending: dict[str, Any], changed: bool
 ) -> list[Setting]:
-    """Returns the settings whose path or text has all words.
-
-    Args:
-        settings: All settings.
-        words: Words to search for.
-        pending: Values by path that wait for a restart.
-        changed: True for those alone that differ from the usual, or wait.
-    """
+    """Returns the settings whose path or text has all words."""
     wanted = words.lower().split()
     return [
         one

@@ -20,18 +20,7 @@ BESIDE = " beside"
 
 @dataclass(frozen=True)
 class JointCard:
-    """What the page knows of a joint.
-
-    Attributes:
-        name: Name of the joint.
-        limb: Limb that it belongs to.
-        lower: Least position [rad].
-        upper: Greatest position [rad].
-        effort: Greatest effort [N·m].
-        links: Links that it moves.
-        place: Its place in the figure: to the robot's left, and up [m].
-        parent: Place of the joint before it on the way to the pelvis.
-    """
+    """What the page knows of a joint."""
 
     name: str
     limb: str
@@ -76,13 +65,7 @@ class Range:
 
 @dataclass(frozen=True)
 class LogCard:
-    """A log that is played.
-
-    Attributes:
-        begin: Time of its first row [s].
-        end: Time of its last row [s].
-        phases: When each behavior began [s], and its name.
-    """
+    """A log that is played."""
 
     begin: float
     end: float
@@ -91,23 +74,7 @@ class LogCard:
 
 @dataclass(frozen=True)
 class RunCard:
-    """What stays the same in a run.
-
-    Attributes:
-        title: Name of the scenario.
-        robot: Name of the robot.
-        mass: Of the robot [kg].
-        joints: Its joints, in message order.
-        behaviors: What can be asked for.
-        gait: Settings of a walk, by name.
-        pelvis: Coordinates of the pelvis, by name.
-        pushed: Links that are pushed by name.
-        overlays: What the 3D view can show, in words by name.
-        sole: Length and width of a sole [m].
-        meshcat_port: Port of the 3D view.
-        columns: Units of what can be plotted, by name.
-        log: The log that is played; None for a simulation.
-    """
+    """What stays the same in a run."""
 
     title: str
     robot: str
@@ -126,45 +93,7 @@ class RunCard:
 
 @dataclass(frozen=True)
 class RunState:
-    """The run at an instant; joint values are in message order.
-
-    Attributes:
-        time: Simulated time [s].
-        rate: Simulated seconds per second, lately.
-        pace: Multiple of real time that is kept to; 0 for none.
-        paused: True while time stands still.
-        tick_ms: Median computing time of the latest control ticks [ms].
-        behavior: The active behavior.
-        desired: The behavior that is asked for.
-        fallen: True after a fall.
-        refusals: Why each behavior would be refused now; empty if it would not.
-        k_effort: The user's share of each joint, 0 to 255.
-        position: Measured positions [rad].
-        set_point: The user's set-points [rad].
-        effort: Efforts of the motors [N·m].
-        gains: Gains of the user's controllers, by name.
-        poses: Poses that the user's joints can go to.
-        direction: Direction of the walk: ahead, left, turn; None without one.
-        gait: Settings of the next steps.
-        pelvis: Clamped coordinates of the pelvis in MANIPULATE.
-        robot: Pelvis in W: x, y, z [m], and heading [rad].
-        ground: Height of the lower sole [m].
-        com: Center of mass in W [m].
-        dcm: Divergent component of motion [m].
-        cop: Center of pressure [m]; None without a load.
-        support: Corners of the support polygon [m].
-        feet: x, y [m] and heading [rad] of the soles, left and right.
-        loads: Vertical force on each foot [N].
-        steps: Foot, x, y [m], heading [rad] of the steps to come.
-        plan: Likewise, of the plan that is shown and not sent.
-        overlays: What the 3D view shows.
-        events: The new events.
-        event_count: Number of all events of the run.
-        run: Number of the run, which a reset with a seed increases.
-        samples: What is plotted, since the last state: time [s], and numbers by name.
-        past: After a jump in a log, the time before: time [s], behavior, user's share.
-        recording: True while the 3D view is recorded.
-    """
+    """The run at an instant; joint values are in message order."""
 
     time: float
     rate: float

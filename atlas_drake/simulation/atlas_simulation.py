@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -46,19 +46,13 @@ from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.simulation.building import build
+from atlas_drake.simulation.building import build, check_type
 from atlas_drake.simulation.fair_lock import FairLock
-from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.pace import steady_ticks
-from atlas_drake.simulation.restart import check_restart, start_of_reset
-from atlas_drake.simulation.run_log import RunLog
-from atlas_drake.simulation.sinks import Sink
-from atlas_drake.simulation.snapshot import Snapshot
+from atlas_drake.simulation.run_log import RunLog, Snapshot
+from atlas_drake.simulation.start import check_restart, start_of_reset
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
 """Simulated time between two calls of the hooks [s]."""
@@ -86,6 +80,7 @@ class AtlasSimulation:
             advances, every 20 ms of simulated time. They may publish, push, wait,
             reset and restore; when one goes back in time, the advance still lasts as
             long as was asked. This is how clients such as the cockpit join.
+        on_event: Called with each event as it is noticed; None calls nothing.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -106,7 +101,6 @@ class AtlasSimulation:
         extend: Extend | None = None,
         view: bool | Meshcat | None = None,
         overlays: Overlays | None = None,
-        video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
     ):
@@ -121,34 +115,31 @@ class AtlasSimulation:
             behaviors: Behaviors added to those of the shipped controller, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
             world: Callables (plant) -> None that add models beside the robot before the
-                plant is finalized: a table, a ball. They are called again for a video.
+                plant is finalized: a table, a ball.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
                 ``atlas_drake.visualization.viewer``. None and False show nothing.
-            overlays: Plans of the controller that are shown there and in the video.
-            video: Attaches a video of the run; None films nothing.
+            overlays: Plans of the controller that are shown there.
             on_event: Called with each event as it is noticed.
-            log: Attaches a file that records the run, see ``atlas_drake.logs``:
-                NAME.mcap.
+            log: File NAME.mcap that records the run, see ``atlas_drake.logs``.
 
         Raises:
             TypeError: If an argument is of the wrong type; it names the argument.
             ScenarioError: If the scenario has a value that cannot be used.
             RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
-            VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
             WorldError: If the world cannot be added, or the robot would begin inside
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
         parts = Parts(controller, behaviors, world, extend)
-        outputs = Outputs(view, overlays, video, log, on_event)
-        built = build(scenario, parts, outputs)
+        check_type("on_event", on_event, Callable)
+        built = build(scenario, parts, view, overlays, log)
         self.scenario, self.behaviors = built.scenario, built.behaviors
-        self.meshcat, self._sinks = built.meshcat, built.sinks
+        self.meshcat, self._file, self.on_event = built.meshcat, built.file, on_event
         self._run, self._schedule = built.run, built.schedule
         self._own_behaviors = built.own_behaviors
         self.robot, self.simulator = self._run.robot, self._run.simulator
@@ -166,63 +157,27 @@ class AtlasSimulation:
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
-        self._log = RunLog(self._schedule, self._sinks)
-        self._error: str | None = None
+        self._log = RunLog(self._schedule, self._file)
+        self._failed = False
         self._wall_time = 0.0
 
-    # ---- sinks ---------------------------------------------------------------
-
-    @property
-    def sinks(self) -> tuple[Sink, ...]:
-        """The attached sinks: log, video, ``on_event`` and those of ``attach``."""
-        return tuple(self._sinks)
-
-    def attach(self, sink: Sink) -> None:
-        """Attaches a sink, which gets the events from now on.
-
-        Args:
-            sink: See ``atlas_drake.simulation.sinks.Sink``.
-        """
-        with self._lock:
-            self._sinks.append(sink)
-
-    def detach(self, sink: Sink) -> Any:
-        """Collects the latest events, closes a sink and goes on without it.
-
-        Args:
-            sink: One of ``sinks``.
-
-        Returns:
-            The result of the sink's ``close``.
-
-        Raises:
-            ValueError: If the sink is not attached.
-            AtlasError: If the sink cannot be completed, now or earlier in the run.
-        """
-        with self._lock:
-            self._sinks.index(sink)
-            reported = self._error
-            try:
-                self._look()
-            except Exception:
-                # An error that ended the run occurs again in this look.
-                if reported is None or self._error != reported:
-                    raise
-            finally:  # Listeners and ports may raise anything.
-                self._sinks.remove(sink)
-                result = sink.close(self.context)
-            return result
-
     def close(self) -> None:
-        """Detaches all sinks, which completes their files; the run may continue.
+        """Completes the log; the run may continue.
 
         Raises:
-            AtlasError: If a sink cannot be completed, now or earlier in the run, whose
-                ``events`` then hold a warning; the others are completed.
+            LogError: If the log cannot be completed, now or earlier in the run, whose
+                ``events`` then hold a warning.
         """
-        with ExitStack() as stack:
-            for sink in self._sinks:
-                stack.callback(self.detach, sink)
+        if self._file is None:
+            return
+        with self._lock:
+            try:
+                # An error that ended the run occurs again in this look.
+                with suppress(Exception) if self._failed else nullcontext():
+                    self._look()
+            finally:
+                file, self._file, self._log.file = self._file, None, None
+                file.close(self.context)
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -439,7 +394,8 @@ class AtlasSimulation:
             # Collect events that precede the reset.
             self._look()
             self._run.reset(begin, start, where)
-            self._log.note(RunEvent(self.time, "reset", f"reset, {begin.name} begins"))
+            text = f"reset, {begin.name} begins"
+            self._tell(self._log.note(RunEvent(self.time, "reset", text)))
             self.simulator.Initialize()
             self._look()
 
@@ -455,7 +411,7 @@ class AtlasSimulation:
 
         Raises:
             ScenarioError: If a field cannot be used or needs a new simulation, or while
-                a log or a video is written, which hold one run.
+                a log is written, which holds one run.
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
@@ -472,9 +428,9 @@ class AtlasSimulation:
             self._note_begin()
 
     def _check_no_file(self, field: str, value: object) -> None:
-        """Raises ScenarioError while a log or a video is written."""
-        if any(sink.path is not None for sink in self._sinks):
-            problem = "a log or a video holds one run: close() completes it"
+        """Raises ScenarioError while a log is written."""
+        if self._file is not None:
+            problem = "a log holds one run: close() completes it"
             raise ScenarioError(field, value, problem)
 
     def snapshot(self) -> Snapshot:
@@ -495,7 +451,7 @@ class AtlasSimulation:
         The run goes on from there with the same bits as it did then: robot and world,
         joint controllers, behaviors, shares of the user, messages and pushes that were
         pending, the rest of a schedule, noise and events. ``tick_seconds`` keeps the
-        times of all ticks, and sinks get the events that follow once more.
+        times of all ticks, and ``on_event`` gets the events that follow once more.
 
         Args:
             snapshot: Of this simulation; also of an earlier run. It can be restored any
@@ -504,7 +460,7 @@ class AtlasSimulation:
         Raises:
             TypeError: If ``snapshot`` is not a ``Snapshot``.
             ValueError: If it is that of another simulation.
-            ScenarioError: While a log or a video is written, which hold one run.
+            ScenarioError: While a log is written, which holds one run.
         """
         if not isinstance(snapshot, Snapshot):
             raise TypeError(
@@ -514,7 +470,7 @@ class AtlasSimulation:
         with self._lock:
             self._run.restore(snapshot.context, snapshot.variation)
             self.scenario, self._log = snapshot.scenario, snapshot.log.copy()
-            self._error, self._wall_time = None, snapshot.wall_time
+            self._failed, self._wall_time = False, snapshot.wall_time
             if self.meshcat is not None:
                 self.diagram.ForcedPublish(self.context)
 
@@ -632,13 +588,19 @@ class AtlasSimulation:
     def _look(self) -> None:
         """Collects events."""
         with self._noted_error():
-            self._log.look(self._run)
+            self._tell(self._log.look(self._run))
+
+    def _tell(self, events: Iterable[Event]) -> None:
+        """Hands events on, once all of them are kept."""
+        if self.on_event is not None:
+            for event in events:
+                self.on_event(event)
 
     @contextmanager
     def _noted_error(self) -> Iterator[None]:
-        """Keeps the text of an error, so that ``detach`` does not raise it again."""
+        """Notes that an error ended the run, so that ``close`` does not repeat it."""
         try:
             yield
-        except Exception as error:  # Not itself: its traceback holds the simulation.
-            self._error = f"{type(error).__name__}: {error}"
+        except Exception:
+            self._failed = True
             raise

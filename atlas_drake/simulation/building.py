@@ -1,7 +1,8 @@
-"""Builds what an ``AtlasSimulation`` holds from its arguments: diagram, sinks, view."""
+"""Builds what an ``AtlasSimulation`` holds from its arguments: diagram, log, view."""
 
 from __future__ import annotations
 
+import os
 from array import array
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -24,11 +25,11 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import listed
-from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.run_diagram import RunDiagram
-from atlas_drake.simulation.sinks import FilmSink, Listener, LogSink, Sink
+from atlas_drake.simulation.run_log import LogFile
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
+from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.mcap_writer import McapWriter
@@ -36,34 +37,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """What a simulation consists of.
-
-    Attributes:
-        scenario: The resolved scenario.
-        behaviors: Catalog of the shipped behaviors and the user's own.
-        own_behaviors: Entries of the user's own behaviors.
-        schedule: Commands that the scenario sends by itself.
-        run: The diagram, at the begin of a run.
-        sinks: Log, video and listener, as far as they were asked for.
-        meshcat: Meshcat of the 3D view, None without a view.
-    """
+    """What a simulation consists of."""
 
     scenario: Scenario
     behaviors: BehaviorCatalog
     own_behaviors: tuple[BehaviorEntry, ...]
     schedule: tuple[ScheduledCommand, ...]
     run: RunDiagram
-    sinks: list[Sink]
+    file: LogFile | None
     meshcat: Meshcat | None
 
 
-def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
-    """Builds a simulation; errors are those of ``AtlasSimulation``."""
-    if scenario is not None and not isinstance(scenario, Scenario):
-        raise TypeError(
-            f"scenario must be a Scenario, is {shown(scenario)}; load_scenario reads "
-            "one from a file"
-        )
+def build(
+    scenario: Scenario | None,
+    parts: Parts,
+    view: bool | Meshcat | None,
+    overlays: Overlays | None,
+    log: str | Path | None,
+) -> Built:
+    """Builds a simulation; arguments and errors are those of ``AtlasSimulation``."""
+    check_type("scenario", scenario, Scenario)
+    check_type("view", view, bool | Meshcat)
+    check_type("overlays", overlays, Overlays)
+    check_type("log", log, str | os.PathLike)
     own = registered(parts.behaviors)
     parts = replace(parts, behaviors=own, world=listed(parts.world))
     scenario = (scenario or Scenario()).resolved(own)
@@ -71,53 +67,51 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
     schedule = _schedule(scenario, robot, catalog)
     world = (*world_of(scenario.all_models()), *parts.world)
-    tick_seconds = array("d")
     # The modules for logs and views load only with a log or a view.
     with ExitStack() as on_error:
         writer = None
-        if outputs.log is not None:
+        if log is not None:
             from atlas_drake.logs.mcap_writer import McapWriter, header_of
 
             header = header_of(scenario, robot, own)
-            writer = McapWriter(Path(outputs.log), header, scenario.log)
+            writer = McapWriter(Path(log), header, scenario.log)
             on_error.callback(writer.close)
-        meshcat = outputs.view or None
+        meshcat = view or None
         if meshcat is True:
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        displays = _displays(robot, catalog, scenario, parts, outputs, meshcat, writer)
+        displays = _displays(robot, catalog, meshcat, overlays, writer)
         diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
-        run = RunDiagram(robot, scenario, diagram, bool(world), tick_seconds)
+        run = RunDiagram(robot, scenario, diagram, bool(world), array("d"))
         on_error.pop_all()
-    sinks: list[Sink] = []
+    file = None
     if writer is not None:
         listener: Any = diagram.GetSubsystemByName("log")
         recorder: Any = run.station.GetSubsystemByName("tick_recorder")
-        sinks.append(LogSink(writer, listener, recorder))
-    if outputs.video is not None:
-        film: Any = diagram.GetSubsystemByName("video")
-        sinks.append(FilmSink(outputs.video.path, film))
-    if outputs.on_event is not None:
-        sinks.append(Listener(outputs.on_event))
+        file = LogFile(writer, listener, recorder)
     if meshcat is not None:
         from atlas_drake.visualization.scene import show_start
 
         show_start(meshcat, scenario)
-    return Built(scenario, catalog, own, schedule, run, sinks, meshcat)
+    return Built(scenario, catalog, own, schedule, run, file, meshcat)
+
+
+def check_type(name: str, value: object, kind: Any) -> None:
+    """Raises TypeError unless an argument is None or of this type."""
+    if value is not None and not isinstance(value, kind):
+        wanted = getattr(kind, "__name__", str(kind))
+        raise TypeError(f"{name} must be of type {wanted}, is {shown(value)}")
 
 
 def _displays(
     robot: Robot,
     catalog: BehaviorCatalog,
-    scenario: Scenario,
-    parts: Parts,
-    outputs: Outputs,
     meshcat: Meshcat | None,
+    overlays: Overlays | None,
     writer: McapWriter | None,
 ) -> Iterator[Extend]:
-    """Yields what adds 3D view, log and video to a diagram, as far as there are any."""
-    overlays = outputs.overlays
+    """Yields what adds 3D view and log to a diagram, as far as there are any."""
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
@@ -132,29 +126,12 @@ def _displays(
         from atlas_drake.logs.mcap_writer import add_log
 
         yield partial(add_log, writer=writer)
-    if outputs.video is not None:
-        from atlas_drake.visualization.video_display import add_video
-
-        yield partial(
-            add_video,
-            robot=robot,
-            catalog=catalog,
-            scenario=scenario,
-            video=outputs.video,
-            world=parts.world,
-            overlays=overlays,
-        )
 
 
 def _schedule(
     scenario: Scenario, robot: Robot, catalog: BehaviorCatalog
 ) -> tuple[ScheduledCommand, ...]:
-    """Returns the tutorial's and the scenario's own commands, in order of time.
-
-    Raises:
-        ScenarioError: If the robot lacks joints that the tutorial commands, or would
-            refuse a message.
-    """
+    """Returns the tutorial's and the scenario's own commands, in order of time."""
     schedule = []
     if scenario.schedule != "none":
         literal = scenario.schedule == "tutorial_literal"

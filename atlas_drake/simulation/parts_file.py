@@ -24,13 +24,6 @@ def run_file(path: Path, option: str) -> dict[str, Any]:
 
     Modules beside the file can be imported by it. Its ``__name__`` is not
     ``"__main__"``, so that a program's own run does not begin.
-
-    Args:
-        path: Of the file.
-        option: That named it, for the error.
-
-    Raises:
-        ScenarioError: If the file fails.
     """
     folder = str(path.resolve().parent)
     if folder not in sys.path:

@@ -42,18 +42,7 @@ class SimulationError(AtlasError, RuntimeError):
 
 
 class RunDiagram:
-    """The diagram of a scenario, its simulator and the context of the present run.
-
-    Attributes:
-        robot: Description of the robot.
-        diagram: The ``control_mode_switch`` with all systems.
-        station: The ``AtlasStation`` in it.
-        plant: The ``MultibodyPlant`` of the station.
-        simulator: Drake's simulator of the diagram.
-        pace: The pace of the simulator in real time.
-        variation: Random variation of the present run.
-        tick_seconds: Wall times of the controller's ticks in the present run [s].
-    """
+    """The diagram of a scenario, its simulator and the context of the present run."""
 
     def __init__(
         self,
@@ -63,16 +52,7 @@ class RunDiagram:
         has_world: bool,
         tick_seconds: MutableSequence[float],
     ):
-        """Begins a run.
-
-        Args:
-            robot: Description of the robot.
-            scenario: A resolved scenario.
-            diagram: The ``control_mode_switch`` of the scenario.
-            has_world: True if there are models beside the robot.
-            tick_seconds: Takes the wall times of the controller's ticks, if it gives
-                them.
-        """
+        """Begins a run."""
         self.robot, self.diagram, self.tick_seconds = robot, diagram, tick_seconds
         self._terrain = scenario.all_terrain()
         self._models = scenario.all_models()
@@ -110,13 +90,7 @@ class RunDiagram:
         return self.plant.GetMyMutableContextFromRoot(self.context)
 
     def begin(self, scenario: Scenario) -> None:
-        """Begins a run at time 0, with what is drawn from the scenario's seed.
-
-        Raises:
-            ScenarioError: If the robot lacks a body that is to be pushed, and
-            WorldError: If the robot would begin inside a model; nothing has then
-                changed.
-        """
+        """Begins a run at time 0, with what is drawn from the scenario's seed."""
         pushes = self._pushes.schedule(scenario.pushes)
         variation = draw_variation(scenario, self.robot)
         self._check_place(variation, scenario.start)
@@ -143,10 +117,6 @@ class RunDiagram:
         """Puts robot and world back, to where the run began without a ``pose``.
 
         Time goes on.
-
-        Raises:
-            WorldError: If the robot would begin inside a model; nothing has then
-                changed.
         """
         moved = _moved(self.variation, pose)
         self._check_place(moved, start)
@@ -156,11 +126,7 @@ class RunDiagram:
         reset_station(self.station, self.context, behavior)
 
     def restore(self, context: Context, variation: Variation) -> None:
-        """Takes over time, state and parameters of a context, and what its run drew.
-
-        Raises:
-            ValueError: If it is the context of another diagram.
-        """
+        """Takes over time, state and parameters of a context, and what its run drew."""
         try:
             self.diagram.ValidateContext(context)
         except (RuntimeError, ValueError):
@@ -172,20 +138,12 @@ class RunDiagram:
         self.pace.forget_all()
 
     def check_reset(self, scenario: Scenario, start: Start, pose: Pose) -> None:
-        """Checks that a run of ``scenario`` could be reset to this pose.
-
-        Raises:
-            WorldError: If the robot would begin inside a model.
-        """
+        """Checks that a run of ``scenario`` could be reset to this pose."""
         variation = draw_variation(scenario, self.robot)
         self._check_place(_moved(variation, pose), start)
 
     def advance_to(self, t: float) -> None:
-        """Simulates until a time [s].
-
-        Raises:
-            SimulationError: If the physics could not be solved.
-        """
+        """Simulates until a time [s]."""
         self.pace.forget_lost_time()
         try:
             self.simulator.AdvanceTo(t)
@@ -216,11 +174,7 @@ class RunDiagram:
         self._pushes.push(self._pushes.GetMyMutableContextFromRoot(self.context), *push)
 
     def release(self) -> None:
-        """Lets a harnessed robot down to the ground, and then go.
-
-        Raises:
-            ScenarioError: If the scenario has no harness.
-        """
+        """Lets a harnessed robot down to the ground, and then go."""
         if self._harness is None:
             raise ScenarioError(
                 "start.harnessed", False, "there is no harness to release"
@@ -228,11 +182,7 @@ class RunDiagram:
         self._harness.release(self._harness.GetMyMutableContextFromRoot(self.context))
 
     def output(self, name: str) -> Any:
-        """Returns the present value of an output port of the diagram.
-
-        Raises:
-            ValueError: If there is no such port.
-        """
+        """Returns the present value of an output port of the diagram."""
         index = self._outputs.get(name) if isinstance(name, str) else None
         if index is None:
             raise ValueError(
@@ -255,11 +205,7 @@ class RunDiagram:
         return events, now
 
     def frame_pose(self, name: str) -> RigidTransform:
-        """Returns the pose in W of a body or frame of the robot.
-
-        Raises:
-            ValueError: If the robot has neither a body nor a frame of that name.
-        """
+        """Returns the pose in W of a body or frame of the robot."""
         own = self.robot.instance(self.plant)
         if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
             indices = self.plant.GetFrameIndices(own)
@@ -272,11 +218,7 @@ class RunDiagram:
         return frame.CalcPoseInWorld(self.plant_context)
 
     def _check_place(self, variation: Variation, start: Start) -> None:
-        """Tries a place apart from the run; only a model of the world can be there.
-
-        Raises:
-            WorldError: If the robot would begin inside a model.
-        """
+        """Tries a place apart from the run; only a model of the world can be there."""
         if not self._has_world:
             return
         if self._trial is None:

@@ -1,4 +1,4 @@
-"""The random variation of a run: initial pose, masses and friction.
+"""How a run begins: its random variation, and checks of a reset and of a restart.
 
 ``standing`` places the soles on the ground.
 """
@@ -12,8 +12,14 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import Context
 
+from atlas_drake.config import checked
+from atlas_drake.errors import ScenarioError
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot
-from atlas_drake.scenario import Scenario
+from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.differences import built_in_difference
+from atlas_drake.scenario.scenario import starting_behavior
 
 
 @dataclass(frozen=True)
@@ -80,3 +86,28 @@ def scale_masses(
                 inertia.get_unit_inertia(),
             ),
         )
+
+
+def start_of_reset(
+    scenario: Scenario,
+    catalog: BehaviorCatalog,
+    behavior: Behavior | int | str | None,
+    pose: Start | None,
+) -> tuple[Behavior, Start]:
+    """Returns behavior and start of a reset; None is the scenario's."""
+    asked = scenario.initial_behavior if behavior is None else behavior
+    begin = starting_behavior(asked, "behavior", catalog)
+    start: Start = checked(Start, scenario.start if pose is None else pose, "pose")
+    start.check_behavior(begin)
+    if start.harnessed and not scenario.start.harnessed:
+        raise ScenarioError(
+            "start.harnessed", True, "needs a scenario that began in a harness"
+        )
+    return begin, start
+
+
+def check_restart(present: Scenario, asked: Scenario) -> None:
+    """Checks that the diagram of a scenario can simulate another scenario."""
+    field = built_in_difference(present, asked)
+    if field is not None:
+        raise ScenarioError(field, None, "is changed, and needs a new simulation")

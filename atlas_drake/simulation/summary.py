@@ -22,12 +22,7 @@ UPRIGHT_TILT = 0.4
 
 
 def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
-    """Makes the summary of a run.
-
-    Args:
-        sim: The simulation at the end of the run.
-        wall_time: Wall time of the run [s].
-    """
+    """Makes the summary of a run."""
     ticks = 1e3 * np.asarray(sim.tick_seconds)
     peaks = sim.output("peaks")
     X_WP = sim.pelvis_pose
@@ -81,12 +76,7 @@ def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
 def _estimator_drift(
     error: np.ndarray, largest: np.ndarray
 ) -> dict[str, dict[str, float]]:
-    """Names the final and the largest errors of the state estimator.
-
-    Args:
-        error: Present error of the pelvis from ``EstimationError``, shape (9,).
-        largest: Largest errors of the run from ``EstimationError``, shape (4,).
-    """
+    """Names the final and the largest errors of the state estimator."""
     names = ("position_m", "velocity_m_s", "tilt_rad", "yaw_rad")
     final = map(float, error_sizes(error))
     return {

@@ -21,7 +21,7 @@ from atlas_drake import (
     steps_ahead,
 )
 from atlas_drake.config import as_plain
-from atlas_drake.simulation.snapshot import Snapshot
+from atlas_drake.simulation.run_log import Snapshot
 
 STRIDE, DURATION = 0.25, 0.63
 """Of each step [m], [s]."""

@@ -247,33 +247,21 @@ def foreign(shared):
 @pytest.mark.parametrize(
     ("status", "words"),
     [
-        (lambda: ControllerStatus(plan=None), "plan must be Plan, is None"),
-        (lambda: "hello", "'controller_status' must hold a ControllerStatus"),
-        (lambda: NOTHING, "'controller_status' must hold a ControllerStatus"),
-        (lambda: ControllerStatus(current_behavior=3), "current_behavior must be Be"),
-        (lambda: ControllerStatus(events=(EVENT,)), "must count all events, is 0 with"),
-        (lambda: Plan(support=np.zeros((9, 2))), "must have at most 8 corners, has 9"),
-        (lambda: Plan(support=np.zeros((4, 3))), r"support must have shape \(k, 2\)"),
-        (lambda: Plan(com_reference=[0.0] * 3), r"com_reference must have shape \(2,"),
-        (lambda: PlannedPaths(swing=["up"]), r"swing must have shape \(k, 3\)"),
-        (lambda: ControllerStatus(events=("oh",), event_count=1), "events must be a t"),
-        (lambda: ControllerStatus(events=None), "events must be a tuple of Event"),
-        (lambda: ControllerStatus(event_count="1"), "event_count must be a whole numb"),
-        (lambda: ControllerStatus(unsolved=0.5), "unsolved must be a whole number"),
-        (lambda: ControllerStatus(solved="yes"), "solved must be True, False or None"),
-        (lambda: Event("now", "x", "y"), "time of an Event must be a number, is 'now'"),
-        (lambda: Event(np.nan, "x", "y"), "time of an Event must be finite"),
-        (lambda: Event(0.0, "x", 3), "text of an Event must be text, is 3"),
-        (lambda: Event(0.0, "x", "y", None), "data of an Event must be a dict"),
-        (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
-        (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of Footstep"),
-        (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
-        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot of a Footstep must be 0 or"),
-        (
-            lambda: Footstep(1, 0, None, 0.0),
-            r"p_WF of a Footstep .*\(3,\), is None",
-        ),
-        (lambda: Footstep(1, 0, [0.0] * 3, None), "yaw of a Footstep must be a num"),
+        (lambda: "hello", "controller_status"),
+        (lambda: NOTHING, "controller_status"),
+        (lambda: ControllerStatus(plan=None), "plan"),
+        (lambda: ControllerStatus(current_behavior=3), "current_behavior"),
+        (lambda: ControllerStatus(events=(EVENT,)), "event_count"),
+        (lambda: ControllerStatus(events=("oh",), event_count=1), "events"),
+        (lambda: ControllerStatus(solved="yes"), "solved"),
+        (lambda: Event(np.nan, "x", "y"), "time of an Event"),
+        (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "commanded"),
+        (lambda: Plan(support=np.zeros((9, 2))), "support"),
+        (lambda: Plan(com_reference=[0.0] * 3), "com_reference"),
+        (lambda: Plan(omega=-1.0), "omega"),
+        (lambda: PlannedPaths(swing=["up"]), "swing"),
+        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot of a Footstep"),
+        (lambda: Footstep(1, 0, None, 0.0), "p_WF of a Footstep"),
     ],
 )
 def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):
@@ -283,26 +271,15 @@ def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status,
         sim.advance(0.01)
 
 
-@pytest.mark.parametrize(
-    "status",
-    [
-        lambda: "hello",
-        lambda: ControllerStatus(plan=None),
-        lambda: ControllerStatus(current_behavior=Behavior.named(200, "HOLD")),
-    ],
-)
-def test_a_faulty_status_is_one_error_and_stops_the_log(tmp_path, status):
+def test_a_faulty_status_is_one_error_and_leaves_no_log(tmp_path):
     sim = AtlasSimulation(
-        controller=lambda robot, _: controller_with_status(
-            robot, lambda _context: status()
-        ),
+        controller=lambda robot, _: controller_with_status(robot, lambda _: "hello"),
         log=tmp_path / "run.mcap",
     )
-    (sink,) = sim.sinks
-    with pytest.raises((TypeError, ValueError)) as caught, sim:
+    with pytest.raises(TypeError) as caught, sim:
         sim.advance(0.01)
     assert caught.value.__context__ is None
-    assert not sink._complete.alive
+    assert not any(tmp_path.iterdir())
 
 
 def test_events_counted_from_zero_after_a_reset_are_all_collected():
@@ -417,16 +394,15 @@ def with_message(name):
 @pytest.mark.parametrize(
     ("controller", "words"),
     [
-        (3, "controller must be a System or a callable"),
-        (lambda robot, scenario: None, "must return a System, returned None"),
-        (sized(28, "torque"), "no output port 'behavior_effort'"),
-        (sized(3), "a vector of size 3; atlas needs a vector of size 28"),
-        (with_vector_status(3), "must hold a ControllerStatus"),
-        (with_input("stat", 69), "input port 'stat'.* Did you mean 'state'"),
-        (with_input("state", 7), "input port 'state' that is a vector of size 7"),
-        (with_input("commands", 7), "the station's is abstract-valued"),
-        (with_message("imu"), "reads 'imu'.*periodic update"),
-        (with_message("user_forecast"), "reads 'user_forecast'.*periodic update"),
+        (3, "controller must be a System"),
+        (lambda robot, scenario: None, "returned None"),
+        (sized(28, "torque"), "'behavior_effort'"),
+        (sized(3), "size 3; atlas needs a vector of size 28"),
+        (with_vector_status(3), "'controller_status'"),
+        (with_input("stat", 69), "'stat'.* Did you mean 'state'"),
+        (with_input("state", 7), "'state' that is a vector of size 7"),
+        (with_input("commands", 7), "'commands'"),
+        (with_message("imu"), "'imu'.*periodic update"),
     ],
 )
 def test_a_controller_that_does_not_fit_is_refused(controller, words):

@@ -3,7 +3,7 @@
 import pytest
 
 from atlas_drake import AtlasSimulation, PlannedPush, Scenario, ScenarioError
-from atlas_drake.scenario import Jitter, Start, load_scenario, with_settings
+from atlas_drake.scenario import load_scenario, with_settings
 from atlas_drake.systems.gait_watch import DOWN_FOR, LIFTED_FOR, FootLoad
 from atlas_drake.systems.push_source import PushState
 
@@ -132,38 +132,3 @@ def test_elements_of_lists_can_be_set():
     # Where the world says it, there is no list yet.
     with pytest.raises(ScenarioError, match="give the whole list"):
         with_settings(scenario, ["start.position[0]=2"])
-
-
-def test_a_restart_equals_a_new_simulation_bit_for_bit():
-    first = Scenario(noise="rough", jitter=Jitter(mass=0.05))
-    other = Scenario(
-        noise="rough",
-        seed=7,
-        ground_friction=0.7,
-        friction_jitter=0.1,
-        jitter=Jitter(joints=0.02, mass=0.1),
-        start=Start(position=[1.0, 2.0], yaw=0.5),
-        pushes=[PlannedPush(time=0.02, impulse=5.0)],
-    )
-    sim = AtlasSimulation(first)
-    sim.advance(0.05)
-    sim.restart(other)
-    new = AtlasSimulation(other)
-    for each in (sim, new):
-        each.advance(0.1)
-    assert (sim.output("state") == new.output("state")).all()
-    assert [str(e) for e in sim.events] == [str(e) for e in new.events]
-
-
-def test_a_restart_refuses_what_is_built_in():
-    sim = AtlasSimulation()
-    for other, field in (
-        (Scenario(physics_step=0.001), "physics_step"),
-        (with_settings(Scenario(), ["controller.gains.dcm_gain=3"]), None),
-        (Scenario(pushes=[PlannedPush(time=1.0, body="tail")]), "pushes"),
-    ):
-        with pytest.raises(ScenarioError) as caught:
-            sim.restart(other)
-        assert caught.value.field.startswith(field or "controller.gains.dcm_gain")
-    sim.advance(0.02)
-    assert sim.scenario.pushes == []

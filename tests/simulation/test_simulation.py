@@ -2,8 +2,6 @@
 
 import json
 import threading
-from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,9 +24,7 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.errors import ErrorCode
-from atlas_drake.simulation.sinks import Listener
 from atlas_drake.simulation.tutorial import FIRST_COMMAND
-from atlas_drake.visualization.video_display import Video
 
 TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
@@ -42,40 +38,26 @@ def shared():
 @pytest.fixture
 def sim(shared):
     """A new run, which equals that of a new simulation and begins much faster."""
-    shared.close()
+    shared.on_event = None
     shared.reset(seed=0)
     return shared
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("name", "value"),
     [
-        ({"scenario": "x.yaml"}, "scenario must be a Scenario, is 'x.yaml'; load_sc"),
-        ({"video": "x.mp4"}, r"video must be a Video of .*, is 'x.mp4', such as Video"),
-        ({"overlays": ["com"]}, r"overlays must be Overlays of .*, is \['com'\]"),
-        (
-            {"view": 1},
-            "view must be True, False or a Meshcat of pydrake.geometry, is 1",
-        ),
-        ({"on_event": "print"}, "on_event must be a callable"),
-        ({"log": True}, "log must be the name of a file, is True"),
-        ({"log": b"run.mcap"}, "log must be the name of a file, is b'run.mcap'"),
+        ("scenario", "x.yaml"),
+        ("overlays", ["com"]),
+        ("view", 1),
+        ("on_event", "print"),
+        ("log", True),
+        ("log", b"run.mcap"),
     ],
 )
-def test_an_argument_of_the_wrong_type_is_named(arguments, words):
-    with pytest.raises(TypeError, match=words):
-        AtlasSimulation(**arguments)
-
-
-def test_an_invalid_video_is_refused():
-    assert Video("run.mp4").path == Path("run.mp4")
-    for fields, words in (
-        ({"path": 3}, "path of a Video must be the name of a file, is 3"),
-        ({"path": "x.mp4", "width": "wide"}, "width of a Video must be a positive who"),
-        ({"path": "x.mp4", "height": 0}, "height of a Video must be a positive whole"),
-    ):
-        with pytest.raises(TypeError, match=words):
-            Video(**fields)
+def test_an_argument_of_the_wrong_type_is_named(name, value):
+    with pytest.raises(TypeError, match=f"{name} must be") as caught:
+        AtlasSimulation(**{name: value})
+    assert repr(value) in str(caught.value)
 
 
 def behavior_command(behavior, **fields):
@@ -83,11 +65,6 @@ def behavior_command(behavior, **fields):
 
 
 # ---- commands ------------------------------------------------------------------
-
-
-def test_a_simulation_logs_nothing_at_its_start(caplog):
-    AtlasSimulation()
-    assert not caplog.records
 
 
 @pytest.mark.parametrize(
@@ -164,11 +141,6 @@ def test_a_message_takes_nothing_from_the_schedule_before_it():
     sim.advance(TICK)
     assert list(sim.atlas_state.k_effort) == [255] * 28
     assert list(sim.atlas_state.kp_velocity) == [1.0] * 28
-
-
-def test_a_bound_that_crosses_the_one_in_force_is_refused_at_once(sim):
-    with pytest.raises(InvalidMessageError, match=r"i_effort_min\[0\]"):
-        sim.publish(AtlasCommand(i_effort_min=[5.0] * 28))
 
 
 def test_the_error_is_that_of_the_last_message(sim):
@@ -291,13 +263,6 @@ def test_arguments_that_make_no_sense_are_named(sim, value):
         sim.wait_until(lambda _: False, 1.0, period=value)
 
 
-def test_time_may_be_a_number_of_any_kind(sim):
-    sim.advance(np.float32(0.0))
-    sim.advance(Fraction(1, 250))
-    assert sim.time == pytest.approx(0.004)
-    assert type(sim.time) is float
-
-
 # ---- waiting -------------------------------------------------------------------
 
 
@@ -369,7 +334,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message(sim):
 
     # While this thread is in the midst of something, which it finishes first.
     inside, sent = threading.Event(), threading.Event()
-    sim.attach(Listener(on_event))
+    sim.on_event = on_event
     thread = threading.Thread(target=send)
     thread.start()
     sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
@@ -436,16 +401,6 @@ def test_at_rest_the_sensors_measure_gravity_and_weight(sim):
     assert feet[0].y > 0.1 > -0.1 > feet[1].y
 
 
-@pytest.mark.slow
-def test_noise_depends_on_the_seed_alone():
-    def first(seed, noise="rough"):
-        return AtlasSimulation(Scenario(seed=seed, noise=noise)).imu
-
-    assert first(1) == first(1)
-    assert first(1) != first(2)
-    assert first(1, "none") == first(2, "none")
-
-
 def test_the_summary_is_json_and_says_what_was_run(summary_keys):
     scenario = Scenario(seed=5, physics_step=0.002, model="atlas_v3")
     sim = AtlasSimulation(scenario)
@@ -468,9 +423,9 @@ def test_the_summary_is_json_and_says_what_was_run(summary_keys):
     assert summary["min_pelvis_height"] == pytest.approx(height, abs=0.02)
 
 
-def test_listeners_get_events_at_once_and_in_order(sim):
+def test_events_are_told_at_once_and_in_order(sim):
     told = []
-    sim.attach(Listener(told.append))
+    sim.on_event = told.append
     sim.advance(0.04)
     sim.publish(behavior_command("FREEZE"))
     sim.advance(0.04)
@@ -584,56 +539,3 @@ def test_steps_read_as_they_were_given(tmp_path):
     header = read_log(path).header
     assert header.control_period == 0.009
     assert "physics_step: 0.003\n" in header.scenario
-
-
-# ---- sinks ---------------------------------------------------------------------
-
-
-class Notebook:
-    """A sink that keeps what it gets."""
-
-    path = fault = None
-
-    def __init__(self):
-        self.texts, self.closed_at = [], None
-
-    def event(self, event):
-        self.texts.append(event.text)
-
-    def close(self, root):
-        self.closed_at = root.get_time()
-        return len(self.texts)
-
-
-def test_a_sink_gets_events_from_attach_to_detach(sim):
-    first, second = Notebook(), Notebook()
-    sim.publish(behavior_command("FREEZE"))
-    sim.advance(2 * TICK)
-    sim.attach(first)
-    sim.attach(second)
-    sim.publish(behavior_command("STAND_PREP"))
-    sim.advance(2 * TICK)
-    assert sim.detach(first) == 1
-    assert first.closed_at == sim.time
-    sim.reset(seed=1)
-    sim.publish(behavior_command("USER"))
-    sim.advance(2 * TICK)
-    sim.close()
-    assert first.texts == ["FREEZE -> STAND_PREP"]
-    assert second.texts == ["FREEZE -> STAND_PREP", "STAND -> USER"]
-    assert sim.sinks == ()
-    with pytest.raises(ValueError, match="not in"):
-        sim.detach(first)
-
-
-def test_close_completes_the_other_sinks_when_one_fails(sim):
-    class Broken(Notebook):
-        def close(self, root):
-            raise OSError("disk full")
-
-    kept = Notebook(), Notebook()
-    for sink in (kept[0], Broken(), kept[1]):
-        sim.attach(sink)
-    with pytest.raises(OSError, match="disk full"):
-        sim.close()
-    assert [sink.closed_at for sink in kept] == [0.0, 0.0]

@@ -22,13 +22,7 @@ class Access:
     """Checks of one address."""
 
     def __init__(self, host: str, port: int, token: str | None) -> None:
-        """Guards an address.
-
-        Args:
-            host: Address that is listened on.
-            port: Its port.
-            token: Needed to steer; None if everybody who reaches the page may.
-        """
+        """Guards an address."""
         self._host, self._port, self._token = host, port, token
 
     @property

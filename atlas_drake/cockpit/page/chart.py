@@ -37,15 +37,7 @@ def charts(
     begin: float,
     end: float,
 ) -> str:
-    """Draws curves between two times [s], those of a unit in one chart.
-
-    Args:
-        samples: Time [s], and numbers by name; oldest first.
-        names: Names of the curves.
-        units: Units by name.
-        begin: Left end of the time axis [s].
-        end: Right end of the time axis [s].
-    """
+    """Draws curves between two times [s], those of a unit in one chart."""
     shown = [sample for sample in samples if begin <= sample[0] <= end]
     by_unit: dict[str, list[int]] = {}
     for place, name in enumerate(names):

@@ -27,17 +27,7 @@ class Refused(Exception):
 
 
 class Viewer:
-    """One browser's page.
-
-    Attributes:
-        may_steer: True if it was opened with the token.
-        name: A name for the others.
-        plotted: Columns that it plots.
-        show: Called with each state.
-        show_card: Called with each run's card.
-        show_settings: Called when settings have changed, or wait.
-        tell: Called with a text for the user.
-    """
+    """One browser's page."""
 
     _numbers = itertools.count(1)
 
@@ -52,20 +42,7 @@ class Viewer:
 
 
 class Desk:
-    """The line to the simulation, and the viewers at it.
-
-    Attributes:
-        card: Card of the present run; None before the first.
-        settings: Settings of the present run; None before the first.
-        pending: Values by path that wait for a restart.
-        problem: Why the scenario that was asked for last cannot be simulated.
-        state: The latest state; None before the first.
-        received: Wall time at which it came [s].
-        history: What the panels show of the time before.
-        viewers: Viewers whose pages are open.
-        steers: The viewer who steers; None if nobody does.
-        asks: The viewer who asks to steer.
-    """
+    """The line to the simulation, and the viewers at it."""
 
     def __init__(self, link: Link) -> None:
         """Talks over a line."""
@@ -118,12 +95,7 @@ class Desk:
     # ---- to the simulation ---------------------------------------------------
 
     async def order(self, viewer: Viewer, control: str, **values: Any) -> Any:
-        """Sends an order, and waits for its reply.
-
-        Raises:
-            Refused: If the viewer does not steer and it is not STOP, or the simulation
-                refuses it.
-        """
+        """Sends an order, and waits for its reply."""
         if viewer is not self.steers:
             if control != STOP or not viewer.may_steer:
                 raise Refused("You are watching: ask to steer first")
@@ -146,11 +118,7 @@ class Desk:
             self._open.pop(number, None)
 
     async def plot(self, viewer: Viewer, names: Sequence[str]) -> None:
-        """Has columns sampled for a viewer, who need not steer.
-
-        Raises:
-            Refused: If there are too many.
-        """
+        """Has columns sampled for a viewer, who need not steer."""
         viewer.plotted = tuple(names)
         await self._send("plots.choose", {"names": self._plotted()})
 

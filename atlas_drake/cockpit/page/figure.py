@@ -19,14 +19,7 @@ RADIUS, TARGET = 0.045, 0.065
 
 
 def spread(places: Sequence[Point]) -> list[Point]:
-    """Moves places apart that are nearer than ``LEAST``, so that each can be clicked.
-
-    Args:
-        places: To the left and up [m].
-
-    Returns:
-        The places, in order.
-    """
+    """Moves places apart that are closer than ``LEAST``, to click each of them."""
     now = [[x + 1e-4 * i, y - 2e-4 * i] for i, (x, y) in enumerate(places)]
     for _ in range(TURNS):
         for i, one in enumerate(now):
@@ -74,12 +67,7 @@ class Figure:
         self._height = max(-y for _, y in every) + margin - self._top
 
     def svg(self, k_effort: Sequence[int], chosen: str) -> str:
-        """Draws the figure.
-
-        Args:
-            k_effort: The user's share of each joint.
-            chosen: Limb that is chosen.
-        """
+        """Draws the figure."""
         box = f"{self._left:.3f} {self._top:.3f} {self._width:.3f} {self._height:.3f}"
         parts = [
             f'<svg class="figure" viewBox="{box}" role="group" '

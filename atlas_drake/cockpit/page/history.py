@@ -23,13 +23,7 @@ class Moment(NamedTuple):
 
 
 class History:
-    """The latest moments and events.
-
-    Attributes:
-        moments: Moments of the last ``SPAN``.
-        events: Time [s], kind and text, oldest first.
-        samples: What is plotted, of the last ``SPAN``.
-    """
+    """The latest moments and events."""
 
     def __init__(self) -> None:
         """Starts empty."""

@@ -9,13 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Key:
-    """What a key does.
-
-    Attributes:
-        control: The control that it uses.
-        values: Arguments of the control.
-        text: What it does, in words.
-    """
+    """What a key does."""
 
     control: str
     values: Mapping[str, Any] = field(default_factory=dict)

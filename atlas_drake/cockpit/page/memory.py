@@ -17,12 +17,7 @@ class Memory:
         ui.on("remembered", self._take)
 
     def keep(self, name: str, element: Any) -> None:
-        """Keeps the value of an element under a name.
-
-        Args:
-            name: Name in the browser's store.
-            element: An element with a value.
-        """
+        """Keeps the value of an element under a name."""
         self._elements[name] = element
 
         def changed(event: Any) -> None:

@@ -21,12 +21,7 @@ class Numbers:
         ranges: Mapping[str, Range],
         change: Callable[[str, float], Awaitable[Any]],
     ) -> None:
-        """Builds the sliders.
-
-        Args:
-            ranges: Numbers by name.
-            change: Called with a name and the value that was asked for.
-        """
+        """Builds the sliders."""
         self._sliders: dict[str, ui.slider] = {}
         self._values: dict[str, ui.label] = {}
         self._units = {name: one.unit for name, one in ranges.items()}

@@ -10,12 +10,7 @@ from atlas_drake.cockpit.state import RunCard
 
 
 class Operating:
-    """The desk as one viewer uses it.
-
-    Attributes:
-        desk: What all viewers share.
-        viewer: Whose page it is.
-    """
+    """The desk as one viewer uses it."""
 
     def __init__(self, desk: Desk, viewer: Viewer) -> None:
         """Sits a viewer down at the desk."""

@@ -26,13 +26,7 @@ STATIC = Path(__file__).parent / "static"
 
 
 def serve(descriptor: int, host: str, port: int) -> None:
-    """Serves the page until the line is closed.
-
-    Args:
-        descriptor: Of this process's end of the line.
-        host: Address to listen on; ``*`` stands for all.
-        port: First port that is tried; 0 for 8080.
-    """
+    """Serves the page until the line is closed."""
     link = Link.at(descriptor)
     try:
         token = None if is_private(host) else secrets.token_urlsafe(16)
@@ -123,11 +117,7 @@ def _log_in_one_line() -> None:
 
 
 def free_port(host: str, first: int) -> int:
-    """Returns the first free port from ``first`` on.
-
-    Raises:
-        OSError: If there is none, or no such host.
-    """
+    """Returns the first free port from ``first`` on."""
     problem = OSError(f"no free port from {first} on")
     for port in range(first, first + PORTS_TRIED):
         family = socket.AF_INET6 if ":" in host else socket.AF_INET

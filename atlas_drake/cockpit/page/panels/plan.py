@@ -33,12 +33,7 @@ class Plan:
 
 
 def draw(state: RunState, sole: Point) -> str:
-    """Draws a state from above.
-
-    Args:
-        state: The state.
-        sole: Length and width of a sole [m].
-    """
+    """Draws a state from above."""
     x, y, _, yaw = state.robot
     middle = _middle(state) or (x, y)
     cos, sin = math.cos(yaw), math.sin(yaw)
