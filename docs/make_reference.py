@@ -286,8 +286,10 @@ def index_page(pages: list[str]) -> str:
         "- [Fields of a scenario](scenario.md), among them every number of the "
         "controller\n"
         "- JSON schemas, with which editors check and complete YAML files: "
-        "[scenario](../schema/scenario.schema.json), [world](../schema/world.schema.json), "
-        "[robot](../schema/robot.schema.json), [campaign](../schema/campaign.schema.json)",
+        + ", ".join(
+            f"[{name}](../schema/{name}.schema.json)"
+            for name in ("scenario", "world", "robot", "campaign")
+        ),
         "## Behaviors",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
