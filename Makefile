@@ -47,15 +47,15 @@ format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff format .
 
 # Material names MkDocs 2, which is not used here, in a banner.
-docs: $(STAMP) ## Write reference and JSON schemas; build the site (build/site).
-	@$(BIN)/python docs/make_reference.py
+docs: $(STAMP) ## Write the JSON schemas; build the site (build/site).
+	@$(BIN)/python docs/json_schemas.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet $(ARGS)
 	@echo "Open build/site/index.html; to search in it, serve it:" \
 	  "$(BIN)/python -m http.server -d build/site"
 
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).
-	@failed=0; for name in startup realtime hand_over qp_solvers; do \
+	@failed=0; for name in startup realtime hand_over; do \
 	  echo; echo "== benchmarks/$$name.py"; \
 	  $(BIN)/python benchmarks/$$name.py || failed=1; \
 	done; for name in walking tutorial; do \

@@ -1,7 +1,11 @@
-"""JSON schemas of the YAML files, with which editors check and complete them."""
+"""Writes the JSON schemas of the YAML files, for editors to check and complete them.
+
+python docs/json_schemas.py
+"""
 
 import dataclasses
 import json
+from pathlib import Path
 from typing import Any
 
 import source_docs
@@ -22,6 +26,7 @@ FILES: dict[str, type] = {
     "campaign": Campaign,
 }
 SCENARIO = "scenario.schema.json"
+FOLDER = Path(__file__).parent / "schema"
 
 
 class _Generator(GenerateJsonSchema):
@@ -102,3 +107,8 @@ def schema_files() -> dict[str, str]:
         + "\n"
         for name, kind in FILES.items()
     }
+
+
+if __name__ == "__main__":
+    for name, text in schema_files().items():
+        (FOLDER / name).write_text(text, encoding="utf-8")

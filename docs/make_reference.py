@@ -1,17 +1,7 @@
-"""Writes the reference pages in docs/reference from the code: run it after changes.
-
-    python docs/make_reference.py [--output FOLDER]
-
-One page per message and per behavior, the transition table, flags and error codes, and
-an index of what else is public: Markdown, which GitHub shows as it is. The pages of all
-functions come from mkdocstrings, see ``mkdocs.yml``.
-"""
-
-# ruff: noqa: T201
+"""Makes the reference pages of the site from the code, see ``site_hooks``."""
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import enum
 import inspect
@@ -23,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import source_docs
-from json_schemas import schema_files
 
 import atlas_drake
 from atlas_drake import errors, messages
@@ -40,7 +29,6 @@ from atlas_drake.robot import file as robot_file
 from atlas_drake.robot import leg as robot_leg
 from atlas_drake.scenario import Scenario
 
-REFERENCE = Path(__file__).parent / "reference"
 _LEGAL = {
     Behavior[source]: frozenset(map(Behavior.__getitem__, targets))
     for source, targets in legal_transitions(SHIPPED_ENTRIES).items()
@@ -298,9 +286,10 @@ def index_page(pages: list[str]) -> str:
         "- [Fields of a scenario](scenario.md), among them every number of the "
         "controller\n"
         "- JSON schemas, with which editors check and complete YAML files: "
-        "[scenario](schema/scenario.schema.json), [world](schema/world.schema.json), "
-        "[robot](schema/robot.schema.json), [campaign](schema/campaign.schema.json)\n"
-        "- [The diagram](diagram.svg): all systems and connections, from the code",
+        + ", ".join(
+            f"[{name}](../schema/{name}.schema.json)"
+            for name in ("scenario", "world", "robot", "campaign")
+        ),
         "## Behaviors",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
@@ -356,19 +345,7 @@ def all_pages() -> dict[str, str]:
     pages["robot.md"] = robot_page()
     pages["scenario.md"] = scenario_page()
     pages["README.md"] = index_page(list(pages))
-    return pages | {f"schema/{name}": text for name, text in schema_files().items()}
-
-
-def write_pages(folder: Path) -> int:
-    """Writes all files, deletes those of names that are no more; returns how many."""
-    pages = all_pages()
-    for old in (*folder.rglob("*.md"), *folder.rglob("*.json")):
-        if str(old.relative_to(folder)) not in pages:
-            old.unlink()
-    for path, text in pages.items():
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        (folder / path).write_text(text, encoding="utf-8")
-    return len(pages)
+    return pages
 
 
 def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
@@ -412,15 +389,3 @@ def _value(value: Any) -> str:
     if isinstance(value, list | tuple) and value and isinstance(value[0], Message):
         return f"{len(value)} empty"
     return f"`{value!r}`"
-
-
-def main() -> None:
-    """Writes the pages."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--output", type=Path, default=REFERENCE, metavar="FOLDER")
-    folder = parser.parse_args().output
-    print(f"wrote {write_pages(folder)} files to {folder}")
-
-
-if __name__ == "__main__":
-    main()

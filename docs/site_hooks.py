@@ -10,6 +10,7 @@ from __future__ import annotations
 import pkgutil
 import posixpath
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,6 +21,9 @@ from mkdocs.structure.pages import Page
 import atlas_drake
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs"))
+import make_reference  # noqa: E402
+
 PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "models/README.md")
 ASSETS = {".gif", ".ipynb", ".mp4", ".png", ".svg"}
 """Endings of linked files that the site holds as they are."""
@@ -42,14 +46,17 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     pages += (
         path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").rglob("*.md")
     )
-    for page in pages:
-        add(page, abs_src_path=str(ROOT / page))
+    texts = {page: (ROOT / page).read_text("utf-8") for page in pages}
+    for name, text in make_reference.all_pages().items():
+        texts[f"docs/reference/{name}"] = text
+    for page, text in texts.items():
+        add(page, content=text)
     modules = dict(_modules())
     add("api/index.md", content=_index_of(modules))
     for name in modules.values():
         add(f"api/{name}.md", content=f"::: {name}\n")
-    linked = {target for page in pages for target in _local_targets(page)}
-    for target in sorted(linked - {*pages} - {*modules}):
+    linked = {target for page, text in texts.items() for target in _targets(page, text)}
+    for target in sorted(linked - {*texts} - {*modules}):
         path = ROOT / target
         if path.suffix in ASSETS:
             add(target, abs_src_path=str(path))
@@ -85,9 +92,9 @@ def _modules() -> Iterator[tuple[str, str]]:
             yield path if found.ispkg else f"{path}.py", found.name
 
 
-def _local_targets(page: str) -> Iterator[str]:
+def _targets(page: str, text: str) -> Iterator[str]:
     """Returns the paths in the repository that a page links to."""
-    for found in LINK.finditer((ROOT / page).read_text("utf-8")):
+    for found in LINK.finditer(text):
         target = _target(page, found[2])
         if target is not None:
             yield target

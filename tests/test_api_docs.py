@@ -84,7 +84,7 @@ def test_the_site_has_every_page_and_no_broken_link(tmp_path):
             text = (tmp_path / "api" / page).read_text(encoding="utf-8")
             assert f'id="{anchor}"' in text
     start = (tmp_path / "index.html").read_text(encoding="utf-8")
-    assert 'href="docs/one_tick.html"' in start
+    assert 'href="docs/control.html"' in start
     assert (tmp_path / "docs/images/loop.svg").is_file()
     # The site works without a network.
     assert not re.search(r'<(?:script|link|img)[^>]+(?:src|href)="https?:', start)

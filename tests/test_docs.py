@@ -5,15 +5,15 @@ Comments in a page, above a block, tell what readers need not see:
     <!-- not run: REASON -->    only the command line is checked; in the first line of
                                 a page this holds for all of it
     <!-- file: NAME -->         the commands of the page read the block as this file
-    <!-- first: CODE -->        Python that runs before the block
+
+Each block of Python runs by itself, as a reader would copy it.
 """
 
-import importlib.util
+import importlib
 import json
 import re
 import shlex
 import shutil
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,9 +32,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = ["README.md", "CONTRIBUTING.md", "models/README.md"]
 PAGES += sorted(f"docs/{page.name}" for page in DOCS.glob("*.md"))
-COMMENT = re.compile(
-    r"<!-- (not run|file|first):\s((?:(?!-->).)+?)\s*-->\n\n", re.DOTALL
-)
+COMMENT = re.compile(r"<!-- (not run|file):\s((?:(?!-->).)+?)\s*-->\n\n", re.DOTALL)
 BLOCK = re.compile(
     rf"(?:{COMMENT.pattern})?"
     r"(?:^```(?P<language>\w+)\n(?P<fenced>.*?)^```"
@@ -121,15 +119,15 @@ def write_files(blocks):
             Path(block.note[1]).write_text(block.text)
 
 
-def run_page(page):
-    """Runs a page from top to bottom; returns what its Python has defined."""
+def run_page(page, together=False):
+    """Runs a page from top to bottom; returns what its last Python has defined."""
     names = {"__name__": page}
     blocks = blocks_of(page)
     write_files(blocks)
     for block in [block for block in blocks if block.note[0] != "not run"]:
         if block.language == "python":
-            if block.note[0] == "first":
-                exec(block.note[1], names)
+            if not together:
+                names = {"__name__": page}
             # Empty lines before it, so that an error names the page's own line.
             exec(compile("\n" * block.line + block.text, page, "exec"), names)
         for program, *arguments in block.commands:
@@ -181,23 +179,16 @@ def _before_own(arguments):
 
 
 @pytest.fixture(scope="module")
-def pages():
-    """What the generator would write now."""
-    sys.path.insert(0, str(DOCS))
-    try:
-        spec = importlib.util.spec_from_file_location(
-            "make_reference", DOCS / "make_reference.py"
-        )
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    finally:
-        sys.path.remove(str(DOCS))
-    return module.all_pages()
+def generator():
+    """Imports a module of docs/ by its name."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(DOCS))
+        yield importlib.import_module
 
 
 @pytest.mark.slow
 def test_a_diagram_of_your_own_does_what_its_page_says(capsys):
-    names = run_page("docs/in_your_diagram.md")
+    names = run_page("docs/in_your_diagram.md", together=True)
     first, second, third = capsys.readouterr().out.splitlines()
     height, elbow = map(float, re.findall(r"-?\d+\.\d+", first))
     assert height == pytest.approx(0.89, abs=0.02)
@@ -210,13 +201,12 @@ def test_a_diagram_of_your_own_does_what_its_page_says(capsys):
     assert report.Eval(names["context"]).pos_est.position.z > 0.85
 
 
-def test_the_reference_pages_are_of_today(pages):
-    folder = DOCS / "reference"
+def test_the_schemas_are_of_today(generator):
     found = {
-        str(path.relative_to(folder)): path.read_text(encoding="utf-8")
-        for path in (*folder.rglob("*.md"), *folder.rglob("*.json"))
+        path.name: path.read_text("utf-8") for path in (DOCS / "schema").glob("*.json")
     }
-    assert found == pages, "run: python docs/make_reference.py"
+    schemas = generator("json_schemas").schema_files()
+    assert found == schemas, "run: python docs/json_schemas.py"
 
 
 NAMED = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
@@ -256,18 +246,19 @@ def schema_checker(schema):
     ],
 )
 def test_the_schema_of_scenarios_takes_the_short_forms_of_values(text):
-    checker = schema_checker(ROOT / "docs/reference/schema/scenario.schema.json")
+    checker = schema_checker(ROOT / "docs/schema/scenario.schema.json")
     checker.validate(yaml_load(data=text))
     scenario_from(yaml_load(data=text))
 
 
 def test_the_schema_of_scenarios_refuses_an_unknown_name_of_noise():
-    checker = schema_checker(ROOT / "docs/reference/schema/scenario.schema.json")
+    checker = schema_checker(ROOT / "docs/schema/scenario.schema.json")
     with pytest.raises(ValidationError, match="loud"):
         checker.validate({"noise": "loud"})
 
 
-def test_every_field_of_the_interfaces_messages_is_explained(pages):
+def test_every_field_of_the_interfaces_messages_is_explained(generator):
+    pages = generator("make_reference").all_pages()
     empty = [
         (page, line)
         for page, text in pages.items()
