@@ -166,6 +166,7 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
     Raises:
         LogError: If the log has no number of such a name.
     """
+    style: dict[str, Any]
     units: dict[str, list[str]] = {}
     for name in _matching(log, patterns):
         units.setdefault(log.units[name], []).append(name)
@@ -184,7 +185,9 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
         over_time(axes, log)
         label_axes(axes, "", f"[{unit or '-'}]")
         for place, name in enumerate(names):
-            draw_curve(axes, log.time, log[name], COLORS[place % len(COLORS)], name)
+            again, color = divmod(place, len(COLORS))
+            style = {"color": COLORS[color], "label": name, "dashed": again > 0}
+            draw_curve(axes, log.time, log[name], **style)
         axes.legend(
             loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=SMALL, frameon=False
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import orjson
-from mcap.exceptions import EndOfFile
 from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 
@@ -42,10 +42,7 @@ def read_log(path: str | Path) -> Log:
     except LogError as error:
         raise LogError(f"{path}: {error}") from error
     except Exception as error:
-        # For a damaged file the library may raise any exception.
-        raise LogError(
-            f"{path}: it is not a log, or it is damaged: {error or repr(error)}"
-        ) from error
+        raise LogError(f"{path}: it is no log that can be read: {error!r}") from error
 
 
 def _read(path: Path) -> Log:
@@ -65,11 +62,11 @@ def _read(path: Path) -> Log:
                     messages[topic].append(record)
                     if topic == EVENTS or topic in COMMANDS:
                         received.append((topic, record))
-        except EndOfFile:
+        except Exception:
+            # The library may raise any exception at the end of a file that was cut off;
+            # what came before has passed its checks.
             if header is None:
-                raise LogError(
-                    "it is not a log, or it ends before its header"
-                ) from None
+                raise
     if header is None:
         raise LogError("it is an MCAP file, but not of this program")
     head, schema = read_header(header)
@@ -88,7 +85,7 @@ def _read(path: Path) -> Log:
     parts = {name: Part(rows[name], plain[name]) for name in STRUCTURED}
     logged = [
         LoggedEvent(
-            message.sequence, *event_of_message(topic, orjson.loads(message.data))
+            message.sequence, *event_of_message(topic, json.loads(message.data))
         )
         for topic, message in received
         if message.sequence <= count

@@ -5,6 +5,7 @@ The file grows during the run; it can be read even if the run ends abruptly.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -190,7 +191,8 @@ class McapWriter:
 
     def _add_event(self, event: Event, *, of_record: bool) -> None:
         topic, message = message_of_event(event, of_record)
-        self._add(event.time, topic, orjson.dumps(message))
+        # Data of a user's event may hold what only Python's own JSON takes.
+        self._add(event.time, topic, json.dumps(message).encode())
 
     def _add(self, time: float, topic: str, data: bytes) -> None:
         """Adds a message; its sequence is the number of the record."""

@@ -84,13 +84,11 @@ class Schema(Frozen):
         found: dict[str, Any] = {}
         for name, column, labels in self._parts[group]:
             number = getattr(value, name)
-            if not labels:
-                found[name] = number
-            elif number is not None and not column.width:
-                found[name] = dict(zip(labels, number.tolist(), strict=True))
-            else:
+            if labels:
                 numbers = column.numbers(number, len(labels))
                 found[name] = dict(zip(labels, numbers, strict=True))
+            else:
+                found[name] = number
         return found
 
     def numbers(self, record: TickRecord) -> Iterator[tuple[str, np.ndarray]]:
