@@ -56,14 +56,14 @@ def plot_log(options: argparse.Namespace) -> int:
         sys.stdout.write("\n".join([*names, ""]))
         return exit_status.OK
     with _needs_extra("plot"):
-        from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page, save
+        from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page
     file = _output(options, SUFFIXES)
     log = _read(options.log)
     if options.channels is None:
         figure = draw_page(log)
     else:
         figure = draw_channels(log, options.channels.split(","))
-    return _write(file, lambda path: save(figure, path, file.suffix))
+    return _write(file, figure.savefig)
 
 
 def export_log(options: argparse.Namespace) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from pydrake.common.yaml import yaml_load
 
 from atlas_drake.logs.footprints import runs
 from atlas_drake.logs.log import Log
@@ -31,21 +32,14 @@ def titled_figure(log: Log, height: float) -> Figure:
     """Returns a figure with title and subtitle."""
     figure, time = Figure(figsize=(WIDTH, height)), log.time
     left, top = LEFT / WIDTH, 1.0 - 0.32 / height
-    title = f"{log.path.name}: {log.header.model}, scenario {_scenario_name(log)}"
+    scenario = yaml_load(data=log.header.scenario)["name"]
+    title = f"{log.path.name}: {log.header.model}, scenario {scenario}"
     figure.text(left, top, title, fontsize=14, weight="bold", va="center")
     period = 1e3 * log.header.control_period
     ticks = f"{len(log)} control ticks of {period:g} ms"
     subtitle = f"{time[0]:.1f} s to {time[-1]:.1f} s, {ticks}"
     figure.text(left, top - 0.26 / height, subtitle, fontsize=10, va="center")
     return figure
-
-
-def _scenario_name(log: Log) -> str:
-    """Returns the scenario's name, also that of one which is valid no longer."""
-    for line in log.header.scenario.splitlines():
-        if line.startswith("name:"):
-            return line.partition(":")[2].strip()
-    return "(unnamed)"
 
 
 def over_time(axes: Any, log: Log) -> None:

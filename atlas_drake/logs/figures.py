@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -66,7 +65,6 @@ HEIGHTS = (0.4, 3.5, 2.0, 2.0, 2.0, 2.2, 2.2, 2.0, 2.0)
 """Heights of the rows of the page [inch]."""
 LEGEND = 3.2
 """Space for the names of chosen columns, to the right of their curves [inch]."""
-DPI = 100
 TICK_MARGIN = 1.3
 """Range of the tick-time axis over the usual tick time [-]."""
 
@@ -192,11 +190,6 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
             loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=SMALL, frameon=False
         )
     return figure
-
-
-def save(figure: Figure, path: Path, suffix: str) -> None:
-    """Writes a figure in the format that has this suffix."""
-    figure.savefig(path, format=suffix[1:], dpi=DPI)
 
 
 def _matching(log: Log, patterns: Sequence[str]) -> list[str]:

@@ -6,7 +6,7 @@ from matplotlib.colors import to_hex
 
 from atlas_drake import LogError
 from atlas_drake.frozen import replace
-from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page, save
+from atlas_drake.logs.figures import draw_channels, draw_page
 from atlas_drake.logs.footprints import runs, soles_of
 from atlas_drake.logs.log import LoggedEvent
 from atlas_drake.messages.event import Event
@@ -218,7 +218,7 @@ def test_no_titles_legends_or_figures_overlap(log):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rows", [1, 2])
-def test_short_logs_without_contact_can_be_drawn(log, rows, tmp_path):
+def test_short_logs_without_contact_can_be_drawn(log, rows):
     arrays = {name: array[:rows].copy() for name, array in log.arrays.items()}
     for side in ("left", "right"):
         arrays[f"feet.{side}_force"][:] = 0.0
@@ -226,5 +226,4 @@ def test_short_logs_without_contact_can_be_drawn(log, rows, tmp_path):
     # What matplotlib would take for a formula, and one that it cannot read.
     path = log.path.with_name(r"run_$\x$.mcap")
     figure = draw_page(replace(log, path=path, arrays=arrays, logged=[]))
-    save(figure, tmp_path / "page", SUFFIXES[rows])
-    assert (tmp_path / "page").read_bytes()[:5] in (b"<?xml", b"%PDF-")
+    figure.draw_without_rendering()
