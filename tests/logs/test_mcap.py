@@ -216,7 +216,7 @@ def test_what_never_ran_leaves_an_earlier_file(log, tmp_path):
 @pytest.mark.usefixtures("small_chunks")
 def test_a_run_goes_on_without_a_log_on_a_full_disk(tmp_path, largest_file):
     path = tmp_path / "run.mcap"
-    with largest_file(4 * CHUNK):
+    with largest_file(2 * CHUNK):
         sim = AtlasSimulation(log=path)
         sim.advance_to(TICKS * PERIOD)
     assert sim.time == pytest.approx(TICKS * PERIOD)

@@ -194,18 +194,15 @@ def bits(schema, record):
     }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(run=runs())
 def test_records_come_back_from_a_log_to_the_bit(through_a_log, run):
     schema, records = run
     log = through_a_log(schema, records)
     assert log.schema == schema
     again = [*log.records()]
-    assert len(again) == len(records)
+    assert again == records
     for was, is_now in zip(records, again, strict=True):
-        for name in TickRecord.__dataclass_fields__:
-            a, b = (replace(was, **{name: getattr(one, name)}) for one in (was, is_now))
-            assert a == b, name
         assert bits(schema, is_now) == bits(schema, was)
     assert [event for record in again for event in record.events] == [
         event for record in records for event in record.events
