@@ -26,6 +26,29 @@ SMALL, TINY = 8, 6.5
 NARROW_SPAN = 0.018
 """Width of one letter of a span's name, as a share of the page's time [-]."""
 ALARM = "#d50000"
+STYLE: Any = {
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.labelsize": SMALL,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 10,
+    "grid.color": "#e4e7ea",
+    "grid.linewidth": 0.6,
+    "legend.borderaxespad": 0.0,
+    "legend.columnspacing": 1.0,
+    "legend.fontsize": SMALL,
+    "legend.frameon": False,
+    "legend.handlelength": 1.2,
+    "legend.handletextpad": 0.4,
+    "text.parse_math": False,  # A $ in a name starts no formula.
+    "xtick.labelsize": SMALL,
+    "xtick.major.size": 2.5,
+    "ytick.labelsize": SMALL,
+    "ytick.major.size": 2.5,
+}
+"""Settings of matplotlib under which figures are drawn."""
 
 
 def titled_figure(log: Log, height: float) -> Figure:
@@ -46,20 +69,10 @@ def over_time(axes: Any, log: Log) -> None:
     """Gives a figure the time of the log, with a line at each fall."""
     # The last row is valid for one more period.
     axes.set_xlim(log.time[0], log.time[-1] + log.header.control_period)
-    axes.set_xlabel("time [s]", fontsize=SMALL, labelpad=1)
+    axes.set_xlabel("time [s]", labelpad=1)
     for event in log.events:
         if event.kind == "fall":
             axes.axvline(event.time, color=ALARM, lw=1.0, zorder=3, label="_fall")
-
-
-def label_axes(axes: Any, title: str, y_label: str) -> None:
-    """Gives axes title, label and grid."""
-    axes.set_title(title, fontsize=10, loc="left")
-    axes.set_ylabel(y_label, fontsize=SMALL)
-    axes.tick_params(labelsize=SMALL, length=2.5)
-    axes.grid(visible=True, color="#e4e7ea", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 def draw_curve(
@@ -85,22 +98,6 @@ def draw_outline(
     if opacity:
         axes.fill(x, y, color=color, alpha=opacity, lw=0.0, label=label or None)
     axes.plot(x, y, color=color, lw=0.8, ls="-" if opacity else (0, (2, 2)))
-
-
-def add_legend(axes: Any) -> None:
-    """Adds the names of the curves above a figure, if there are any."""
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.01, 0.985),
-            ncol=8,
-            fontsize=SMALL,
-            frameon=False,
-            handlelength=1.2,
-            handletextpad=0.4,
-            columnspacing=1.0,
-            borderaxespad=0.0,
-        )
 
 
 def draw_spans(axes: Any, log: Log, flags: np.ndarray, color: str, label: str) -> None:
@@ -145,6 +142,7 @@ def draw_map(
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False)
     bar = axes.inset_axes((1.012, 0.0, 0.014, 1.0))
+    bar.grid(visible=False)
     axes.figure.colorbar(image, cax=bar)
     bar.tick_params(labelsize=TINY, length=2)
     bar.set_ylabel(label, fontsize=TINY + 0.5, labelpad=2)

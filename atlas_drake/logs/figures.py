@@ -20,14 +20,12 @@ from atlas_drake.logs.drawing import (
     LEFT,
     MIDDLE,
     RIGHT,
-    SMALL,
+    STYLE,
     WIDTH,
-    add_legend,
     draw_curve,
     draw_map,
     draw_outline,
     draw_spans,
-    label_axes,
     over_time,
     titled_figure,
 )
@@ -109,7 +107,7 @@ TRACKS = (("com", "CoM", COM), ("dcm", "DCM", DCM), ("cop", "CoP", COP))
 """Columns in ``balance``, labels and colors; the planned ones end in ``_reference``."""
 
 
-@rc_context({"text.parse_math": False})  # A $ in a name starts no formula.
+@rc_context(STYLE)
 def draw_page(log: Log) -> Figure:
     """Draws the page of all figures of a log."""
     rows, columns = len(HEIGHTS), len(PAGE[0])
@@ -143,16 +141,17 @@ def draw_page(log: Log) -> Figure:
     _draw_balance(axes["balance x"], log, soles, 0)
     _draw_balance(axes["balance y"], log, soles, 1)
     for name, (title, y_label, curves, colors) in CURVES.items():
-        label_axes(axes[name], title, y_label)
+        axes[name].set(title=title, ylabel=y_label)
         for (label, column), color in zip(curves.items(), colors, strict=False):
             draw_curve(axes[name], log.time, log[column], color, label)
     _draw_pelvis_angles(axes["pelvis angles"], log)
     for one in axes.values():
-        add_legend(one)
+        if one.get_legend_handles_labels()[1]:
+            one.legend(loc="lower right", bbox_to_anchor=(1.01, 0.985), ncol=8)
     return figure
 
 
-@rc_context({"text.parse_math": False})
+@rc_context(STYLE)
 def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
     """Draws chosen numbers over time, those of one unit in one figure.
 
@@ -181,14 +180,12 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
     for index, (unit, names) in enumerate(units.items()):
         axes = figure.add_subplot(len(units), 1, index + 1)
         over_time(axes, log)
-        label_axes(axes, "", f"[{unit or '-'}]")
+        axes.set_ylabel(f"[{unit or '-'}]")
         for place, name in enumerate(names):
             again, color = divmod(place, len(COLORS))
             style = {"color": COLORS[color], "label": name, "dashed": again > 0}
             draw_curve(axes, log.time, log[name], **style)
-        axes.legend(
-            loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=SMALL, frameon=False
-        )
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return figure
 
 
@@ -212,7 +209,7 @@ def _matching(log: Log, patterns: Sequence[str]) -> list[str]:
 
 
 def _draw_behaviors(axes: Any, log: Log) -> None:
-    label_axes(axes, "Active behavior", "")
+    axes.set_title("Active behavior")
     current = log["behavior.current"]
     for number in np.unique(current).tolist():
         entry = log.header.catalog.entry(log.behavior(number))
@@ -221,7 +218,7 @@ def _draw_behaviors(axes: Any, log: Log) -> None:
 
 def _draw_qp(axes: Any, log: Log) -> None:
     """Draws where there was a QP, and whether it had a solution."""
-    label_axes(axes, "Whole-body QP", "")
+    axes.set_title("Whole-body QP")
     solved = log["controller.solved"]
     unsolved, unknown = solved == 0, solved == NO_QP
     draw_spans(axes, log, ~unsolved & ~unknown, "#a5d6a7", "solved")
@@ -230,7 +227,7 @@ def _draw_qp(axes: Any, log: Log) -> None:
 
 
 def _draw_k_effort(axes: Any, log: Log) -> None:
-    label_axes(axes, "Share of the user (k_effort)", "")
+    axes.set_title("Share of the user (k_effort)")
     k_effort, label = log["joints.k_effort"], "0: behavior, 255: user"
     draw_map(axes, log, k_effort, float(K_EFFORT_MAX), USER_COLORS, label)
 
@@ -240,14 +237,14 @@ def _draw_efforts(axes: Any, log: Log) -> None:
     share = np.abs(log["joints.effort"]) / log.robot.effort_limit
     joint = int(share.max(axis=0).argmax())
     most = f"{log.robot.joint_names[joint]}, {100.0 * share[:, joint].max():.0f} %"
-    label_axes(axes, f"Efforts against their limits (most: {most})", "")
+    axes.set_title(f"Efforts against their limits (most: {most})")
     draw_map(axes, log, share, 1.0, LOAD_COLORS, "|effort| / limit")
 
 
 def _draw_positions(axes: Any, log: Log, name: str, limbs: Sequence[str]) -> None:
     """Draws positions, and set-points while the user has a share of the joint."""
     title = "Back and neck" if name == "trunk" else name.capitalize()
-    label_axes(axes, f"{title} (dashed: set-points)", "position [rad]")
+    axes.set(title=f"{title} (dashed: set-points)", ylabel="position [rad]")
     joints = np.array(log.robot.joint_names)[log.robot.limb(*limbs)].tolist()
     for place, joint in enumerate(joints):
         color = COLORS[place % len(COLORS)]
@@ -271,7 +268,7 @@ def _draw_tick_times(axes: Any, log: Log) -> None:
         longest = f"longest {known.max():.1f} ms"
         title += f" (median {median:.2f}, 99 % {high:.2f}, {longest})"
         top = max(period, high)
-    label_axes(axes, title, "wall time [ms]")
+    axes.set(title=title, ylabel="wall time [ms]")
     draw_curve(axes, log.time, ticks, "#546e7a", "tick", width=0.7)
     limit = np.full(2, period)
     draw_curve(axes, log.time[[0, -1]], limit, ALARM, "control period", dashed=True)
@@ -280,8 +277,8 @@ def _draw_tick_times(axes: Any, log: Log) -> None:
 
 def _draw_from_above(axes: Any, log: Log, soles: Soles) -> None:
     """Draws CoM, DCM and CoP over the footprints and support polygons."""
-    label_axes(axes, "From above (dashed: planned)", "y, to the left [m]")
-    axes.set_xlabel("x, ahead [m]", fontsize=SMALL, labelpad=1)
+    axes.set(title="From above (dashed: planned)", ylabel="y, to the left [m]")
+    axes.set_xlabel("x, ahead [m]", labelpad=1)
     for polygon in soles.double_supports():
         draw_outline(axes, polygon, SUPPORT, opacity=0.35)
     for foot, color in enumerate((LEFT_FOOT, RIGHT_FOOT)):
@@ -299,7 +296,7 @@ def _draw_from_above(axes: Any, log: Log, soles: Soles) -> None:
 def _draw_balance(axes: Any, log: Log, soles: Soles, axis: int) -> None:
     """Draws CoM, DCM, CoP and support along x (axis 0) or y (1)."""
     where = ("ahead", "sideways")[axis]
-    label_axes(axes, f"Balance {where} (dashed: planned)", f"{'xy'[axis]} [m]")
+    axes.set(title=f"Balance {where} (dashed: planned)", ylabel=f"{'xy'[axis]} [m]")
     band = {"color": SUPPORT, "alpha": 0.55, "lw": 0.0, "label": "support"}
     axes.fill_between(log.time, *soles.extent(axis), **band)
     for _, track, style in _tracks(log):
@@ -316,7 +313,7 @@ def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
 
 
 def _draw_pelvis_angles(axes: Any, log: Log) -> None:
-    label_axes(axes, "Orientation of the pelvis", "angle [rad]")
+    axes.set(title="Orientation of the pelvis", ylabel="angle [rad]")
     angles = np.array(
         [RollPitchYaw(R_WB).vector() for R_WB in rotations(log["pelvis.orientation"])]
     )
