@@ -44,12 +44,7 @@ TABLES = (".parquet", ".csv", ".npz")
 
 
 def plot_log(options: argparse.Namespace) -> int:
-    """Draws the figures of a log, or lists its columns; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read or drawn, or a package is missing.
-        ScenarioError: If the file cannot be written.
-    """
+    """Draws the figures of a log, or lists its columns; returns the exit status."""
     if options.channels == "":
         log = read_log(options.log)
         names = [f"{name} [{unit or '-'}]" for name, unit in log.units.items()]
@@ -67,12 +62,7 @@ def plot_log(options: argparse.Namespace) -> int:
 
 
 def export_log(options: argparse.Namespace) -> int:
-    """Writes the columns of a log as a table; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read, or a package is missing.
-        ScenarioError: If the file cannot be written.
-    """
+    """Writes the columns of a log as a table; returns the exit status."""
     file = _output(options, TABLES)
     with _needs_extra("export"):
         log = _read(options.log)
@@ -112,7 +102,7 @@ def _needs_extra(extra: str) -> Iterator[None]:
         yield
     except ImportError:
         raise LogError(
-            f'needs packages that are not installed: pip install "atlas-drake[{extra}]"'
+            f'packages are missing: pip install "atlas-drake[{extra}]"'
         ) from None
 
 

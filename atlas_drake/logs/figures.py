@@ -153,16 +153,7 @@ def draw_page(log: Log) -> Figure:
 
 @rc_context(STYLE)
 def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
-    """Draws chosen numbers over time, those of one unit in one figure.
-
-    Args:
-        log: The log.
-        patterns: Names such as ``balance.com.x``, of columns such as ``balance.com``,
-            or patterns such as ``*.l_leg_kny``.
-
-    Raises:
-        LogError: If the log has no number of such a name.
-    """
+    """Draws chosen numbers over time, those of one unit in one figure."""
     style: dict[str, Any]
     units: dict[str, list[str]] = {}
     for name in _matching(log, patterns):
@@ -190,7 +181,11 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
 
 
 def _matching(log: Log, patterns: Sequence[str]) -> list[str]:
-    """Returns the numbers that names or patterns mean, each once, in their order."""
+    """Returns the names of chosen numbers, each once, in the order of the patterns.
+
+    A pattern is a name such as ``balance.com.x``, the beginning of names such as
+    ``balance.com``, or has wildcards, such as ``*.l_leg_kny``.
+    """
     found: dict[str, None] = {}
     for pattern in patterns:
         names = [

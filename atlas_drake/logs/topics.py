@@ -48,21 +48,17 @@ LAST_TIME = 9e9
 
 @dataclass(frozen=True)
 class Structured:
-    """A part of a record with a structure of its own, written when it changes.
-
-    Attributes:
-        blank: Value before the first message.
-        read: Makes the value from its plain form.
-        is_message: True for a message, whose fields are those of the topic; any other
-            value is in a field that has the name of the topic.
-        sample: Value whose structure the JSON schema describes, where that of ``blank``
-            says too little.
-    """
+    """A part of a record with a structure of its own, written when it changes."""
 
     blank: Any
+    """Value before the first message."""
     read: Callable[[Any], Any]
+    """Makes the value from its plain form."""
     is_message: bool = False
+    """True for a message, whose fields are those of the topic; any other value is in a
+    field that has the name of the topic."""
     sample: Any = None
+    """Describes the structure where ``blank`` says too little."""
 
 
 def _feedback(kind: type[Message]) -> Structured:
@@ -132,12 +128,7 @@ _LEVELS = {"warning": _WARNING, "refusal": _WARNING, "fall": _ERROR}
 
 
 def message_of_event(event: Event, of_record: bool) -> tuple[str, dict[str, Any]]:
-    """Returns topic and message of an event; it is a log line with fields of its own.
-
-    Args:
-        event: The event; one of the kind ``MESSAGE`` has the topic of its message.
-        of_record: True if a record holds the event.
-    """
+    """Returns the topic and the message of an event, which a record holds or not."""
     if event.kind == MESSAGE:
         message, number = event.data["message"], event.data["number"]
         topic = next(name for name, kind in COMMANDS.items() if type(message) is kind)
@@ -201,10 +192,7 @@ def viewer_messages(
 
 
 def nanoseconds(time: float) -> int:
-    """Converts a time [s] to a stamp [ns], as far as there is one.
-
-    An event of a user's own may have any time.
-    """
+    """Converts a time [s], which an event may have any of, to a stamp [ns]."""
     return round(1e9 * min(max(time, 0.0), LAST_TIME))
 
 
