@@ -22,6 +22,7 @@ from atlas_drake.messages.event import FOOTSTEP, FOOTSTEP_DATA, MESSAGE, Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
+from atlas_drake.records.flat import flat_numbers, flat_units
 from atlas_drake.records.schema import GROUPS, OPTIONAL
 from atlas_drake.records.tick_record import ContactForce
 from atlas_drake.systems.tick_recorder import landed_among
@@ -184,10 +185,9 @@ def runs(draw):
 
 def bits(schema, record):
     """The bits of all numbers of a record; a NaN is a NaN."""
-    return {
-        name: np.where(np.isnan(numbers), np.nan, numbers).tobytes()
-        for name, numbers in schema.numbers(record)
-    }
+    numbers = flat_numbers(schema, record, flat_units(schema, record))
+    values = np.array([*numbers.values()])
+    return np.where(np.isnan(values), np.nan, values).tobytes()
 
 
 @settings(max_examples=25, deadline=None)
