@@ -181,10 +181,10 @@ def _draw_fall(own: dict[str, Any], picture: Path) -> None:
         log = read_log(path)
     figure = Figure(figsize=(4.8, 3.2), dpi=100, layout="constrained")
     height, load = figure.subplots(2, 1, sharex=True)
-    height.plot(log.time, log.column("balance.com", "z"))
+    height.plot(log.time, log["balance.com.z"])
     height.set_ylabel("CoM height [m]")
     for side in ("left", "right"):
-        load.plot(log.time, log.column(f"feet.{side}_force", "z"), lw=0.8, label=side)
+        load.plot(log.time, log[f"feet.{side}_force.z"], lw=0.8, label=side)
     load.set_ylabel("on the feet [N]")
     load.set_ylim(-50.0, 1200.0)
     load.set_xlabel("time [s]")

@@ -1,4 +1,4 @@
-"""Logs on the command line: draw a page of figures, watch or film a replay.
+"""Logs on the command line: draw figures, export a table, watch or film a replay.
 
 Figures are in ``logs``, the replay in ``diagrams.replay``; options are parsed in
 ``main``.
@@ -9,8 +9,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,81 +35,75 @@ from atlas_drake.atomic_write import atomic_write
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
-from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.header import (
-    PLOT_EXTRA,
-    MissingPackageError,
-    missing_package,
-)
-from atlas_drake.logs.panels import Page
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
-PICTURES = (".png", ".html")
-"""Endings of the files of ``plot``: a picture, and an interactive page."""
-FIGURES = ".figures"
-"""Part of a default file name before these endings: ``run.html`` may be the recording
-of the run that ``run.mcap`` logs."""
+TABLES = (".parquet", ".csv", ".npz")
+"""Endings of the files of ``export``; the first is the default."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
-    """Draws the figures of a log; returns the exit status.
+    """Draws the figures of a log, or lists its columns; returns the exit status."""
+    if options.channels == "":
+        log = read_log(options.log)
+        names = [f"{name} [{unit or '-'}]" for name, unit in log.units.items()]
+        sys.stdout.write("\n".join([*names, ""]))
+        return exit_status.OK
+    with _needs_extra("plot"):
+        from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page
+    file = _output(options, SUFFIXES)
+    log = _read(options.log)
+    if options.channels is None:
+        figure = draw_page(log)
+    else:
+        figure = draw_channels(log, options.channels.split(","))
+    return _write(file, figure.savefig)
 
-    Raises:
-        LogError: If the log cannot be read or a file cannot be made.
-        ScenarioError: If a file cannot be written; raised before any is written.
-    """
-    files = options.output or [
-        options.log.with_suffix(FIGURES + ending) for ending in PICTURES
-    ]
-    for file in files:
-        check_writable("--output", file)
-    drawings, missing = {}, []
-    for file in files:
-        try:
-            drawings[file] = _drawing(file)
-        except MissingPackageError as error:
-            # Without a request the default is every format whose package is installed.
-            if options.output:
-                raise
-            missing.append(error)
-    progress = Progress(sys.stdout, math.inf)
-    for absent in missing:
-        progress.say(f"Left out: {absent}")
-    if not drawings:
-        raise missing[0]
-    try:
-        page = make_page(_read(options.log))
-    except KeyError as error:
-        raise LogError(f"{options.log}: {error.args[0]}") from error
-    kept = True
-    for file, draw in drawings.items():
-        progress.say(f"Drawing {file} ...")
-        kept = keep(file, partial(_draw, draw, page, file), progress) and kept
+
+def export_log(options: argparse.Namespace) -> int:
+    """Writes the columns of a log as a table; returns the exit status."""
+    file = _output(options, TABLES)
+    with _needs_extra("export"):
+        log = _read(options.log)
+        if file.suffix == ".npz":
+            return _write(file, log.to_npz)
+        table = log.to_pandas()
+        if file.suffix == ".csv":
+            return _write(file, table.to_csv)
+        return _write(file, table.to_parquet)
+
+
+def _output(options: argparse.Namespace, suffixes: Sequence[str]) -> Path:
+    """Returns the file to write, by default beside the log with the first suffix."""
+    file: Path = options.output or options.log.with_suffix(suffixes[0])
+    if file.suffix not in suffixes:
+        hint = did_you_mean(file.suffix, suffixes)
+        raise LogError(f"{file}: must end in one of {', '.join(suffixes)}.{hint}")
+    check_writable("--output", file)
+    return file
+
+
+def _write(file: Path, write: Callable[[Path], object]) -> int:
+    """Writes a file, whole or not at all; returns the exit status."""
+
+    def whole() -> None:
+        with atomic_write(file) as unfinished:
+            write(unfinished)
+
+    kept = keep(file, whole, Progress(sys.stdout, math.inf))
     return exit_status.OK if kept else exit_status.OUTPUT_LOST
 
 
-def _draw(draw: Callable[[Page, Path], None], page: Page, file: Path) -> None:
-    with atomic_write(file) as unfinished:
-        draw(page, unfinished)
-
-
-def _drawing(file: Path) -> Callable[[Page, Path], None]:
-    """Returns the function that draws a file of that kind."""
+@contextmanager
+def _needs_extra(extra: str) -> Iterator[None]:
+    """Turns a package that is not installed into one line about how to install it."""
     try:
-        if file.suffix == ".png":
-            from atlas_drake.logs.png_page import write_png
-
-            return write_png
-        if file.suffix == ".html":
-            from atlas_drake.logs.html_page import write_html
-
-            return write_html
-    except ModuleNotFoundError as error:
-        raise missing_package(f"{file}: drawing it", error.name, PLOT_EXTRA) from None
-    hint = did_you_mean(file.suffix, PICTURES)
-    raise LogError(f"{file}: figures must end in one of {', '.join(PICTURES)}.{hint}")
+        yield
+    except ImportError:
+        raise LogError(
+            f'packages are missing: pip install "atlas-drake[{extra}]"'
+        ) from None
 
 
 def replay_log(options: argparse.Namespace) -> int:

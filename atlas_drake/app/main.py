@@ -188,21 +188,34 @@ def _parser(
         help="draw a page of figures of a log",
         description="Draw behaviors and k_effort over time, joints and their "
         "set-points, efforts against their limits, balance from above and over time, "
-        "feet, and the controller's tick times. Logs come from --log of `demo` and "
-        "`run`.",
+        "feet, and the controller's tick times; or chosen columns. Logs come from "
+        "--log of `demo` and `run`.",
         epilog=_LOG_EXIT_STATUS,
     )
     plot.add_argument("log", metavar="LOG", type=Path)
     plot.add_argument(
-        "--output",
-        action="append",
-        type=Path,
-        metavar="FILE",
-        help="a .png picture or an interactive .html page that works offline; may be "
-        "given more than once (default: both, beside the log: run.figures.png and "
-        "run.figures.html for run.mcap)",
+        "--channels",
+        nargs="?",
+        const="",
+        metavar="NAMES",
+        help="draw these columns over time instead, such as "
+        "balance.com.x,walk,*.l_leg_kny; without names, list all columns",
     )
+    _add_output(plot, "a .png, .svg or .pdf file (default: run.png for run.mcap)")
     plot.set_defaults(run="log.plot_log", reads=("log",))
+
+    export = commands.add_parser(
+        "export",
+        help="write the columns of a log as a table",
+        description="Write every number of every control tick, by the names that "
+        "`plot --channels` lists.",
+        epilog=_LOG_EXIT_STATUS,
+    )
+    export.add_argument("log", metavar="LOG", type=Path)
+    _add_output(
+        export, "a .parquet, .csv or .npz file (default: run.parquet for run.mcap)"
+    )
+    export.set_defaults(run="log.export_log", reads=("log",))
 
     replay = commands.add_parser(
         "replay",
@@ -286,6 +299,10 @@ def _parser(
     )
     diagram.set_defaults(run="diagram_picture.show_diagram_picture", reads=())
     return parser, commands.choices
+
+
+def _add_output(parser: argparse.ArgumentParser, help: str) -> None:
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help=help)
 
 
 class _Version(argparse.Action):

@@ -11,7 +11,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram
 
 from atlas_drake.cockpit.clock_controls import FASTEST
-from atlas_drake.cockpit.log_state import REFUSAL, log_units, state_of_log, user_share
+from atlas_drake.cockpit.log_state import REFUSAL, state_of_log, user_share
 from atlas_drake.cockpit.operator import CONTROLS, carry_out
 from atlas_drake.cockpit.orders import Order
 from atlas_drake.cockpit.page.history import SPAN
@@ -54,7 +54,7 @@ class LogPlayback:
         self._begin, self._end = float(log.time[0]), float(log.time[-1])
         self._view = ViewControls(overlays)
         self._recording = RecordingControls(meshcat)
-        self._units = log_units(log)
+        self._units = log.units
         self._chosen: tuple[str, ...] = ()
         self.time, self.paused, self._pace = self._begin, False, 1.0
         self._shown = -np.inf
@@ -214,9 +214,4 @@ def _rows_between(log: Log, begin: float, end: float) -> np.ndarray:
 
 def _column(log: Log, name: str, rows: np.ndarray) -> np.ndarray:
     """Returns numbers at some rows; NaN if a log of another robot has none."""
-    column, _, label = name.rpartition(".")
-    try:
-        found = log.column(column, label) if column in log.arrays else log[name]
-    except KeyError:
-        return np.full(len(rows), np.nan)
-    return found[rows]
+    return log[name][rows] if name in log.numbers else np.full(len(rows), np.nan)

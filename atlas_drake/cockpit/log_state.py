@@ -9,7 +9,6 @@ from atlas_drake.cockpit.observe import state_of
 from atlas_drake.cockpit.state import BehaviorCard, LogCard, RunCard, RunState
 from atlas_drake.frozen import replace
 from atlas_drake.logs.log import Log
-from atlas_drake.records.flat import flat_units
 from atlas_drake.visualization.overlays import OVERLAYS, logged_overlays
 
 REFUSAL = "A log is shown: it can be played, not commanded"
@@ -35,14 +34,9 @@ def card_of_log(log: Log, meshcat_port: int) -> RunCard:
         overlays={name: OVERLAYS[name] for name in logged_overlays(log.scenario.log)},
         sole=(sole.length, sole.width),
         meshcat_port=meshcat_port,
-        columns=log_units(log),
+        columns=log.units,
         log=LogCard(float(log.time[0]), float(log.time[-1]), _phases(log)),
     )
-
-
-def log_units(log: Log) -> dict[str, str]:
-    """Returns the units of the columns of a log that can be plotted, by name."""
-    return flat_units(log.schema, log.record(0)) | dict.fromkeys(log.part_columns, "")
 
 
 def _phases(log: Log) -> tuple[tuple[float, str], ...]:

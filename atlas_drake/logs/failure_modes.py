@@ -8,7 +8,7 @@ first of them is the first failure of the run.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,6 @@ import numpy as np
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.frozen import Frozen, replace
 from atlas_drake.records import TickRecord
 from atlas_drake.records.groups import Balance
 from atlas_drake.robot import Robot
@@ -38,13 +37,13 @@ CHAIN = 0.5
 BEARING = 0.2
 """Share of the weight on a sole from which it should rest where it is [-]."""
 SLIP = 0.02
-"""Horizontal way of a bearing sole that is a slide [m]."""
+"""Horizontal displacement of a bearing sole that is a slide [m]."""
 TIP = 0.3
-"""Turn of a bearing sole out of the attitude in which it came to bear [rad]."""
+"""Rotation of a bearing sole since it came to bear that is a tip [rad]."""
 MID_SWING = 0.5
 """Share of the swing before which a touch is a stub [-]."""
 STUB = 0.05
-"""Horizontal distance of a touch from the landing place that is a stub [m]."""
+"""Horizontal distance of a touch from the planned landing that is a stub [m]."""
 DELAY = 0.15
 """Time in the air after the planned touchdown that is late [s]."""
 LIMIT_TIME = 0.05
@@ -59,7 +58,7 @@ OUTSIDE = 0.05
 
 
 @dataclass(frozen=True)
-class Failure(Frozen):
+class Failure:
     """One failure.
 
     Attributes:
@@ -73,197 +72,70 @@ class Failure(Frozen):
     place: str = ""
 
 
-@dataclass(frozen=True)
-class Landing(Frozen):
-    """The landing that the behavior plans for a foot in the air.
-
-    Attributes:
-        foot: 0 for the left foot, 1 for the right foot.
-        place: Horizontal place of the sole's center in W [m], shape (2,).
-        remaining: Planned time until then [s]; 0 when it is late.
-    """
-
-    foot: int
-    place: np.ndarray
-    remaining: float
-
-
-@dataclass(frozen=True)
-class Signals:
-    """What is watched, at one control tick.
-
-    Attributes:
-        time: Present time [s].
-        margin: Distance of each joint from its nearest limit [rad], shape (n,).
-        effort: Effort of each motor as a share of its limit [-], shape (n,).
-        loads: Shares of the weight on the left and the right sole [-].
-        soles: Positions of the soles' centers in W [m], shape (2, 3).
-        normals: Upward normals of the soles in W, shape (2, 3).
-        landing: The next planned landing; None without one.
-        outside: Distance of the DCM outside the planned support, less that of its
-            reference [m]; None without a plan.
-        unsolved: Number of control ticks without a solution so far.
-    """
-
-    time: float
-    margin: np.ndarray
-    effort: np.ndarray
-    loads: Sequence[float]
-    soles: np.ndarray
-    normals: np.ndarray
-    landing: Landing | None
-    outside: float | None
-    unsolved: int
-
-
-@dataclass(frozen=True)
-class FootState(Frozen):
-    """What is remembered of a foot.
-
-    Attributes:
-        in_air_since: Time since which the sole carries nothing [s]; None on the ground.
-        place, normal: Of the sole when it came to bear, shape (3,); None before that.
-        touchdown: Planned time of the next touchdown [s]; None if none is planned.
-    """
-
-    in_air_since: float | None = None
-    place: np.ndarray | None = None
-    normal: np.ndarray | None = None
-    touchdown: float | None = None
-
-
-@dataclass(frozen=True)
-class WatchState(Frozen):
-    """What is remembered from tick to tick.
-
-    Attributes:
-        feet: The left and the right foot.
-        limit_since, full_since: Times since which each joint is at its limit, and each
-            motor at its own [s]; infinity for those that are not. Shape (n,).
-        unsolved: Number of control ticks without a solution so far.
-        first: First failure of the latest chain; None without one.
-        latest: Time of the latest failure [s].
-    """
-
-    feet: tuple[FootState, FootState]
-    limit_since: np.ndarray
-    full_since: np.ndarray
-    unsolved: int = 0
-    first: Failure | None = None
-    latest: float = -math.inf
-
-
 class FailureWatch:
-    """Finds the first failure of a run, record by record, until the robot falls."""
+    """Finds the first failure of a run, record by record, until the robot falls.
+
+    Attributes:
+        first: The first failure of the latest chain; None without one.
+    """
 
     def __init__(self, robot: Robot) -> None:
         """Watches a run of ``robot`` from its start."""
+        self.first: Failure | None = None
         self._robot = robot
         self._joints = robot.indices(robot.plant).q
         self._watched = robot.limb(*WATCHED_LIMBS)
-        self._state = initial(robot.num_joints)
+        self._feet = tuple(map(_Foot, range(len(SIDES))))
+        # Infinity for joints that are not at a limit.
+        self._limit_since = np.full(robot.num_joints, np.inf)
+        self._full_since = np.full(robot.num_joints, np.inf)
+        self._unsolved = 0
+        self._latest = -math.inf
         self._fallen = False
-
-    @property
-    def first(self) -> Failure | None:
-        """The first failure of the latest chain; None without one."""
-        return self._state.first
 
     def update(self, record: TickRecord) -> None:
         """Takes the next record of the run."""
         self._fallen |= any(event.kind == "fall" for event in record.events)
-        if not self._fallen:
-            signals = self._signals(record)
-            self._state = watch(self._state, signals, self._robot.joint_names)
+        if self._fallen:
+            return
+        time, weight = round(record.time, 6), self._robot.mass * GRAVITY
+        found = [
+            *self._feet[0].failures(time, record, weight),
+            *self._feet[1].failures(time, record, weight),
+            *self._of_joints(time, record),
+            *self._of_balance(time, record),
+        ]
+        if not found:
+            return
+        if self.first is None or time - self._latest > CHAIN:
+            self.first = found[0]
+        # A failure may be noticed long after it began.
+        self.first = min(self.first, *found, key=lambda failure: failure.time)
+        self._latest = time
 
-    def _signals(self, record: TickRecord) -> Signals:
+    def _of_joints(self, time: float, record: TickRecord) -> Iterator[Failure]:
         robot, joints = self._robot, record.joints
         q = record.state.q[self._joints]
         ours = self._watched & (joints.k_effort == 0)
         margin = np.minimum(q - robot.position_lower, robot.position_upper - q)
         effort = np.abs(joints.effort) / robot.effort_limit
-        weight = robot.mass * GRAVITY
-        return Signals(
-            time=round(record.time, 6),
-            margin=np.where(ours, margin, np.inf),
-            effort=np.where(ours, effort, 0.0),
-            loads=[load / weight for load in record.feet.loads],
-            soles=np.array(record.feet.positions),
-            normals=np.array(
-                [rotation_matrix(q_WF)[:, 2] for q_WF in record.feet.orientations]
-            ),
-            landing=_landing(record),
-            outside=_outside(record.balance),
-            unsolved=record.controller.unsolved,
+        self._limit_since = _since(self._limit_since, ours & (margin <= 0.0), time)
+        self._full_since = _since(
+            self._full_since, ours & (effort >= FULL_EFFORT), time
         )
+        for since, duration, kind in (
+            (self._limit_since, LIMIT_TIME, AT_LIMIT),
+            (self._full_since, SATURATED_TIME, SATURATED),
+        ):
+            for joint in np.flatnonzero(time - since >= duration - 1e-9).tolist():
+                yield Failure(float(since[joint]), kind, robot.joint_names[joint])
 
-
-def _landing(record: TickRecord) -> Landing | None:
-    """Returns the next landing that the behavior plans."""
-    if not record.footsteps:
-        return None
-    first = record.footsteps[0]
-    return Landing(first.foot, first.p_WF[:2], record.time_to_touchdown)
-
-
-def _outside(balance: Balance) -> float | None:
-    """Computes how far the DCM is outside the support, beyond the plan's [m]."""
-    if balance.support is None or balance.omega is None or len(balance.support) < 3:
-        return None
-    support = SupportPolygon(balance.support)
-    outside = max(support.distance_outside(balance.dcm), 0.0)
-    if balance.dcm_reference is None:
-        return outside
-    return outside - max(support.distance_outside(balance.dcm_reference), 0.0)
-
-
-def initial(num_joints: int) -> WatchState:
-    """Returns the state at the start of a run."""
-    never = np.full(num_joints, np.inf)
-    return WatchState((FootState(), FootState()), never, never)
-
-
-def watch(state: WatchState, now: Signals, names: Sequence[str]) -> WatchState:
-    """Returns the state after one more tick.
-
-    Args:
-        state: The state before.
-        now: Signals of the tick.
-        names: Names of the joints.
-    """
-    found: list[Failure] = []
-    feet = []
-    for foot, side in enumerate(SIDES):
-        found += _of_foot(state.feet[foot], now, foot, side)
-        feet.append(_foot_after(state.feet[foot], now, foot))
-    limit_since = _since(state.limit_since, now.margin <= 0.0, now.time)
-    full_since = _since(state.full_since, now.effort >= FULL_EFFORT, now.time)
-    for since, least, kind in (
-        (limit_since, LIMIT_TIME, AT_LIMIT),
-        (full_since, SATURATED_TIME, SATURATED),
-    ):
-        for joint in np.flatnonzero(now.time - since >= least - 1e-9).tolist():
-            found.append(Failure(float(since[joint]), kind, names[joint]))
-    if now.unsolved > state.unsolved:
-        found.append(Failure(now.time, UNSOLVED))
-    if now.outside is not None and now.outside > OUTSIDE:
-        found.append(Failure(now.time, DCM_LEFT))
-    first, latest = state.first, state.latest
-    if found:
-        if first is None or now.time - latest > CHAIN:
-            first = found[0]
-        # A failure may be noticed long after it began.
-        first = min(first, *found, key=lambda failure: failure.time)
-        latest = now.time
-    return replace(
-        state,
-        feet=(feet[0], feet[1]),
-        limit_since=limit_since,
-        full_since=full_since,
-        unsolved=now.unsolved,
-        first=first,
-        latest=latest,
-    )
+    def _of_balance(self, time: float, record: TickRecord) -> Iterator[Failure]:
+        if record.controller.unsolved > self._unsolved:
+            yield Failure(time, UNSOLVED)
+        self._unsolved = record.controller.unsolved
+        if _dcm_outside(record.balance) > OUTSIDE:
+            yield Failure(time, DCM_LEFT)
 
 
 def _since(before: np.ndarray, holds: np.ndarray, time: float) -> np.ndarray:
@@ -271,44 +143,76 @@ def _since(before: np.ndarray, holds: np.ndarray, time: float) -> np.ndarray:
     return np.where(holds, np.minimum(before, time), np.inf)
 
 
-def _of_foot(foot: FootState, now: Signals, index: int, side: str) -> Iterator[Failure]:
-    """Yields the failures of one foot."""
-    load, landing = now.loads[index], now.landing
-    if foot.place is not None and foot.normal is not None and load > BEARING:
-        way = now.soles[index] - foot.place
-        if math.hypot(way[0], way[1]) > SLIP:
-            yield Failure(now.time, SLID, side)
-        if float(now.normals[index] @ foot.normal) < math.cos(TIP):
-            yield Failure(now.time, TIPPED, side)
-    if foot.in_air_since is None or foot.touchdown is None:
-        return
-    if load <= LOADED:
-        if now.time - foot.touchdown > DELAY:
-            yield Failure(foot.touchdown, LATE, side)
-        return
-    # A foot that the behavior takes for landed is not that of the next landing.
-    if landing is not None and landing.foot == index:
-        away = now.soles[index][:2] - landing.place
-        swing = foot.touchdown - foot.in_air_since
-        early = now.time - foot.in_air_since < MID_SWING * swing
-        if early or math.hypot(*away) > STUB:
-            yield Failure(now.time, STUBBED, side)
+def _dcm_outside(balance: Balance) -> float:
+    """Computes how far the DCM is outside the support, beyond the plan's [m]."""
+    if balance.support is None or balance.omega is None or len(balance.support) < 3:
+        return 0.0
+    support = SupportPolygon(balance.support)
+    outside = max(support.distance_outside(balance.dcm), 0.0)
+    if balance.dcm_reference is None:
+        return outside
+    return outside - max(support.distance_outside(balance.dcm_reference), 0.0)
 
 
-def _foot_after(foot: FootState, now: Signals, index: int) -> FootState:
-    """Returns the state of a foot after a tick."""
-    load, landing = now.loads[index], now.landing
-    since, touchdown = foot.in_air_since, None
-    if load > LOADED:
-        since = None
-    elif since is None and load < UNLOADED:
-        since = now.time
-    if since is not None and landing is not None and landing.foot == index:
-        touchdown = now.time + landing.remaining
-        if landing.remaining <= 0.0 and foot.touchdown is not None:
-            touchdown = foot.touchdown
-    if load <= BEARING:
-        return FootState(since, None, None, touchdown)
-    if foot.place is None:
-        return FootState(since, now.soles[index], now.normals[index], touchdown)
-    return FootState(since, foot.place, foot.normal, touchdown)
+@dataclass
+class _Foot:
+    """What is remembered of a foot from tick to tick.
+
+    Attributes:
+        index: 0 for the left foot, 1 for the right foot.
+        has_stood: True if the sole has carried load; the first record has no wrenches.
+        in_air_since: Time since which the sole carries nothing [s]; None on the ground.
+        stance: Position and normal of the sole when it came to bear; None before that.
+        touchdown: Planned time of the next touchdown [s]; None if none is planned.
+    """
+
+    index: int
+    has_stood: bool = False
+    in_air_since: float | None = None
+    stance: tuple[np.ndarray, np.ndarray] | None = None
+    touchdown: float | None = None
+
+    def failures(
+        self, time: float, record: TickRecord, weight: float
+    ) -> Iterator[Failure]:
+        """Yields the failures of this foot in a record, and takes the record over."""
+        load = record.feet.loads[self.index] / weight
+        p_WF = record.feet.positions[self.index]
+        normal = rotation_matrix(record.feet.orientations[self.index])[:, 2]
+        planned = record.footsteps[0] if record.footsteps else None
+        # A foot that the behavior takes for landed is not that of the next landing.
+        if planned is not None and planned.foot != self.index:
+            planned = None
+        side = SIDES[self.index]
+        if self.stance is not None and load > BEARING:
+            p_stance, normal_stance = self.stance
+            if math.hypot(*(p_WF - p_stance)[:2]) > SLIP:
+                yield Failure(time, SLID, side)
+            if float(normal @ normal_stance) < math.cos(TIP):
+                yield Failure(time, TIPPED, side)
+        if self.in_air_since is not None and self.touchdown is not None:
+            if load <= LOADED:
+                if time - self.touchdown > DELAY:
+                    yield Failure(self.touchdown, LATE, side)
+            elif planned is not None:
+                swing = self.touchdown - self.in_air_since
+                early = time - self.in_air_since < MID_SWING * swing
+                if early or math.hypot(*(p_WF[:2] - planned.p_WF[:2])) > STUB:
+                    yield Failure(time, STUBBED, side)
+        remaining = None if planned is None else record.time_to_touchdown
+        self._remember(time, load, remaining)
+        if load <= BEARING:
+            self.stance = None
+        elif self.stance is None:
+            self.stance = p_WF, normal
+
+    def _remember(self, time: float, load: float, remaining: float | None) -> None:
+        """Keeps since when the foot is in the air, and when it should touch down."""
+        if load > LOADED:
+            self.has_stood, self.in_air_since = True, None
+        elif self.in_air_since is None and load < UNLOADED and self.has_stood:
+            self.in_air_since = time
+        if self.in_air_since is None or remaining is None:
+            self.touchdown = None
+        elif remaining > 0.0 or self.touchdown is None:
+            self.touchdown = time + remaining

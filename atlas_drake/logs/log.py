@@ -10,23 +10,27 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.common.yaml import yaml_load
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
-from atlas_drake.logs.topics import STRUCTURED
+from atlas_drake.logs.topics import STRUCTURED, part_of_message
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, Message
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, MESSAGE, Event, first_falls
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
-from atlas_drake.records.flat import numbers_in
+from atlas_drake.records.flat import PARTS, numbers_in
+from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
 from atlas_drake.systems.tick_recorder import landed_among
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True)
@@ -44,19 +48,10 @@ class LoggedCommand:
 
 @dataclass(frozen=True)
 class Part:
-    """A structured part of the records over time.
-
-    Attributes:
-        rows: Numbers of the records in which it changed, in order.
-        values: Its plain values from these records on.
-    """
+    """A structured part over time: records in which it changed, and its messages."""
 
     rows: list[int]
-    values: list[Any]
-
-    def place(self, row: int) -> int:
-        """Returns the place of the value at a record; -1 before the first."""
-        return bisect_right(self.rows, row) - 1
+    messages: list[Any]
 
 
 @dataclass(frozen=True)
@@ -75,7 +70,7 @@ class Log:
     Example:
         >>> log = read_log("run.mcap")
         >>> knee = log.robot.joint_index("l_leg_kny")
-        >>> log.time, log["joints.effort"][:, knee]
+        >>> log.time, log["joints.effort"][:, knee], log["joints.effort.l_leg_kny"]
         >>> [record.balance.dcm for record in log.records()]
 
     Attributes:
@@ -96,46 +91,22 @@ class Log:
     logged: list[LoggedEvent]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column.
+        """A column such as ``balance.com``, or one number such as ``balance.com.x``.
 
         Raises:
             KeyError: If the log has no such column.
         """
-        if name in self.arrays:
-            return self.arrays[name]
-        if name in self.part_columns:
-            return self.part_columns[name]
-        known = [*self.arrays, *self.part_columns]
+        for known in (self.arrays, self.numbers):
+            if name in known:
+                return known[name]
+        # Elements of the column, if the last label is wrong, else the columns.
+        column = name.rpartition(".")[0]
+        names = [one for one in self.numbers if one.rpartition(".")[0] == column]
+        names = names or [*self.arrays, *self.part_columns]
         raise KeyError(
-            f"the log has no column {name!r}.{did_you_mean(name, known)} "
-            f"It has {', '.join(known)}."
+            f"the log has no column {name!r}.{did_you_mean(name, names)} "
+            f"It has {', '.join(names)}."
         )
-
-    def column(self, name: str, label: str) -> np.ndarray:
-        """One element of a column, by its label.
-
-        Example:
-            >>> log.column("world.v", "ball_ball_vx")
-
-        Args:
-            name: Name of the column.
-            label: Label of the element, such as ``x``, a joint or a coordinate.
-
-        Returns:
-            Shape (rows,).
-
-        Raises:
-            KeyError: If the log has no such column, or the column no such element.
-        """
-        array = self[name]
-        known = self.schema.columns
-        labels = known[name].elements if name in known else ()
-        if label not in labels:
-            raise KeyError(
-                f"{name} has no element {label!r}.{did_you_mean(label, labels)} It has "
-                f"{', '.join(labels) or 'a single number'}."
-            )
-        return array[:, labels.index(label)]
 
     def __len__(self) -> int:
         """Number of records."""
@@ -144,20 +115,74 @@ class Log:
     @property
     def time(self) -> np.ndarray:
         """Times of the records [s], shape (rows,); never decreasing."""
-        return self.arrays["time"]
+        return self.arrays[TIME]
+
+    # ---- numbers -------------------------------------------------------------
+
+    @cached_property
+    def numbers(self) -> dict[str, np.ndarray]:
+        """Every number by name such as ``balance.com.x``, each of shape (rows,)."""
+        found = {}
+        for name, labels, _ in self._columns():
+            table = self.arrays[name].reshape(len(self), len(labels))
+            for label, numbers in zip(labels, table.T, strict=True):
+                found[f"{name}.{label}".rstrip(".")] = numbers
+        return found | self.part_columns
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Units of ``numbers``; empty where none is declared."""
+        units = {
+            f"{name}.{label}".rstrip("."): unit
+            for name, labels, unit in self._columns()
+            for label in labels
+        }
+        return units | dict.fromkeys(self.part_columns, "")
+
+    def _columns(self) -> Iterator[tuple[str, tuple[str, ...], str]]:
+        """Yields names, labels and units of the columns; a single number has one."""
+        for name, column in self.schema.columns.items():
+            if name != TIME:
+                yield name, column.elements or ("",), column.unit
 
     @cached_property
     def part_columns(self) -> dict[str, np.ndarray]:
         """Numbers in the structured parts, by path such as ``walk.t_step_rem``."""
         columns: dict[str, np.ndarray] = {}
-        for part_name, part in self.parts.items():
-            for row, plain in zip(part.rows, part.values, strict=True):
-                value = STRUCTURED[part_name].content(part_name, plain)
-                for path, number in numbers_in(value, part_name):
+        for name in PARTS:
+            part = self.parts[name]
+            for row, plain in zip(part.rows, part.messages, strict=True):
+                for path, number in numbers_in(part_of_message(name, plain), name):
                     if path not in columns:
                         columns[path] = np.full(len(self), np.nan)
                     columns[path][row:] = number
         return columns
+
+    def to_pandas(self) -> DataFrame:
+        """Returns ``numbers`` as a table whose index is the time [s].
+
+        Raises:
+            ImportError: If pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self.numbers, pandas.Index(self.time, name=TIME))
+
+    def to_npz(self, path: str | Path) -> None:
+        """Writes the columns, and the labels of their elements, for ``numpy.load``.
+
+        The labels of ``balance.com`` have the name ``balance.com.labels``.
+
+        Args:
+            path: Path of the file.
+        """
+        labels: Any = {
+            f"{name}.labels": np.array(column.elements)
+            for name, column in self.schema.columns.items()
+            if column.elements
+        }
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, **(self.arrays | labels | self.part_columns))
 
     # ---- records -------------------------------------------------------------
 
@@ -173,19 +198,17 @@ class Log:
             row: Number of the record, from 0.
         """
         numbers = {name: array[row] for name, array in self.arrays.items()}
-        groups = {
+        groups: dict[str, Any] = {
             group: self.schema.group_at(group, numbers) for group in self.schema.groups
         }
-        parts = {
-            name: self._part(name, row) for name in STRUCTURED if name in self.parts
-        }
+        parts = {name: self._part(name, row) for name in self.parts}
         events = tuple(one.event for one in self._by_row.get(row, ()) if one.of_record)
         return TickRecord(
             time=float(self.time[row]),
             request=self._requests.get(int(numbers["behavior.request_number"])),
             events=events,
-            landed=self._landed_until(row),
-            **groups,  # type: ignore[arg-type]
+            landed=landed_among(event for at, event in self._landings if at <= row),
+            **groups,
             **parts,
         )
 
@@ -195,8 +218,7 @@ class Log:
         Args:
             row: Number of the record until which they count.
         """
-        part = self.parts["paths"]
-        for place in range(part.place(row), -1, -1):
+        for place in range(bisect_right(self.parts["paths"].rows, row) - 1, -1, -1):
             paths: PlannedPaths | None = self._read_part("paths", place)
             if paths is not None:
                 return paths
@@ -212,15 +234,15 @@ class Log:
         return max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
 
     def _part(self, name: str, row: int) -> Any:
-        place = self.parts[name].place(row)
+        place = bisect_right(self.parts[name].rows, row) - 1
         return STRUCTURED[name].blank if place < 0 else self._read_part(name, place)
 
     def _read_part(self, name: str, place: int) -> Any:
         """Makes a structured value once for all records that have it."""
         key = name, place
         if key not in self._made:
-            plain = self.parts[name].values[place]
-            self._made[key] = STRUCTURED[name].unwrapped(name, plain)
+            plain = part_of_message(name, self.parts[name].messages[place])
+            self._made[key] = STRUCTURED[name].read(plain)
         return self._made[key]
 
     @cached_property
@@ -241,9 +263,6 @@ class Log:
             for one in self.logged
             if one.of_record and one.event.kind == FOOTSTEP
         ]
-
-    def _landed_until(self, row: int) -> tuple[Event, ...]:
-        return landed_among(event for at, event in self._landings if at <= row)
 
     @cached_property
     def _requests(self) -> dict[int, AtlasSimInterfaceCommand]:

@@ -13,7 +13,6 @@ from pydrake.systems.framework import BasicVector, Context
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.logs.log import Log
 from atlas_drake.records import TickRecord
-from atlas_drake.records.column import Names
 from atlas_drake.robot.coordinates import coordinates_beside, own_places
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -30,27 +29,17 @@ class LogPlayer(CollectableSystem):
     __slots__ = ()
 
     def __init__(self, log: Log, plant: MultibodyPlant):
-        """Plays ``log``.
-
-        Args:
-            log: Log of the run.
-            plant: Plant of the display, with robot and world.
-        """
+        """Plays ``log``, with the display's plant of robot and world."""
         super().__init__()
         self._log = log
         self._default = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
         self._own = np.concatenate(own_places(plant, log.robot))
-        beside = coordinates_beside(plant, log.robot)
         # Coordinates that the log does not hold keep their default values.
         self._beside = [
-            (column, labels.index(label), place)
-            for column, names in (
-                ("q", Names.WORLD_POSITIONS),
-                ("v", Names.WORLD_VELOCITIES),
-            )
-            for labels in [log.schema.names[names]]
-            for label, place in beside.get(column, {}).items()
-            if label in labels
+            (place, log.numbers[f"world.{column}.{label}"])
+            for column, places in coordinates_beside(plant, log.robot).items()
+            for label, place in places.items()
+            if f"world.{column}.{label}" in log.numbers
         ]
         self.DeclareAbstractOutputPort(
             "record",
@@ -74,6 +63,6 @@ class LogPlayer(CollectableSystem):
         log, row = self._log, self._log.row_at(context.get_time())
         state = self._default.copy()
         state[self._own] = np.concatenate([log["state.q"][row], log["state.v"][row]])
-        for column, index, place in self._beside:
-            state[place] = log[f"world.{column}"][row, index]
+        for place, numbers in self._beside:
+            state[place] = numbers[row]
         output.SetFromVector(state)

@@ -16,22 +16,25 @@ from mcap.writer import CompressionType, Writer
 from pydrake.common.yaml import yaml_dump
 from pydrake.systems.framework import DiagramBuilder
 
+from atlas_drake.atomic_write import why_not_writable
 from atlas_drake.config import as_plain
 from atlas_drake.errors import did_you_mean
-from atlas_drake.logs.foxglove import (
-    SCHEMAS,
+from atlas_drake.logs.header import Header, LogError
+from atlas_drake.logs.topics import (
+    ON_CHANGE,
+    STRUCTURED,
     VIEWER_PERIOD,
-    event_message,
-    json_schema,
+    json_schemas,
+    message_of_event,
+    message_of_part,
     nanoseconds,
     viewer_messages,
 )
-from atlas_drake.logs.header import Header, LogError
-from atlas_drake.logs.topics import COMMANDS, EVENTS, ON_CHANGE, STRUCTURED, TIME
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
-from atlas_drake.messages.event import MESSAGE, Event
+from atlas_drake.messages.event import Event
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.plain import to_plain
+from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.scenario import LogContent, Scenario
 from atlas_drake.systems.record_reader import add_listener
@@ -42,11 +45,7 @@ SUFFIX = ".mcap"
 
 
 def check_log_path(path: Path) -> None:
-    """Checks the name of a log.
-
-    Raises:
-        LogError: If it does not end in ``.mcap``.
-    """
+    """Raises LogError if a log's name does not end in ``.mcap``."""
     if path.suffix != SUFFIX:
         hint = did_you_mean(path.suffix, [SUFFIX])
         raise LogError(f"{path}: a log must end in {SUFFIX}.{hint}")
@@ -74,17 +73,11 @@ class McapWriter:
     def __init__(
         self, path: Path, header: Header, keep: LogContent | None = None
     ) -> None:
-        """Checks that the file can be written.
-
-        Args:
-            path: Path of the file.
-            header: Facts about the log.
-            keep: What the log holds beside the numbers of every tick.
-
-        Raises:
-            LogError: If it cannot.
-        """
+        """Checks that the file can be written; raises LogError if it cannot."""
         check_log_path(path)
+        problem = why_not_writable(path)
+        if problem is not None:
+            raise LogError(problem)
         self.path = path
         self.keep = keep or LogContent()
         self.fault: LogError | None = None
@@ -93,14 +86,6 @@ class McapWriter:
         self._file: IO[bytes] | None = None
         self._early: list[Event] = []
         self._closed = False
-        existed = path.exists()
-        try:
-            with path.open("ab"):
-                pass
-            if not existed:
-                path.unlink()
-        except OSError as error:
-            raise self._lost(error) from error
 
     def begin(self, schema: Schema) -> None:
         """Takes the schema of the records that will come."""
@@ -108,7 +93,7 @@ class McapWriter:
 
     def record(self, record: TickRecord) -> None:
         """Writes a record, unless the file is closed or could not be written."""
-        if self.fault is not None or self._closed:
+        if self._closed or self.fault is not None:
             return
         with self._latched_fault():
             if self._file is None:
@@ -147,13 +132,11 @@ class McapWriter:
         try:
             yield
         except OSError as error:
-            self.fault = self._lost(error)
+            problem = error.strerror or error
+            self.fault = LogError(f"{self.path}: cannot be written: {problem}")
             if self._file is not None:
                 with suppress(OSError):  # It tries to write the rest again.
                     self._file.close()
-
-    def _lost(self, error: OSError) -> LogError:
-        return LogError(f"{self.path}: cannot be written: {error.strerror or error}")
 
     def _open(self) -> None:
         """Empties the file and describes all topics."""
@@ -164,45 +147,17 @@ class McapWriter:
         header = self._header.to_json(self._schema)
         self._writer.add_metadata(METADATA, {HEADER: header})
         self._channels: dict[str, int] = {}
+        for topic, name, schema in json_schemas(self._schema):
+            key = self._writer.register_schema(name, "jsonschema", orjson.dumps(schema))
+            channel = self._writer.register_channel(f"/{topic}", "json", key)
+            self._channels[topic] = channel
         self._latest: dict[str, bytes] = {
             name: _dumped(name, part.blank) for name, part in STRUCTURED.items()
         }
         self._rows = 0
         self._viewer_time = -1.0
-        for name in (TIME, *self._schema.groups):
-            self._register(name, f"atlas_drake.{name}", self._sample(name))
-        for name, part in STRUCTURED.items():
-            blank = part.blank if part.sample is None else part.sample
-            sample = to_plain(part.wrapped(name, blank))
-            self._register(name, f"atlas_drake.{name}", sample)
-        for name, kind in COMMANDS.items():
-            sample = {"number": 0, "time": 0.0, "message": to_plain(kind())}
-            self._register(name, f"atlas_drake.{kind.__name__}", sample)
-        for name, (schema, sample) in SCHEMAS.items():
-            self._register(name, schema, sample)
         while self._early:
             self._add_event(self._early.pop(0), of_record=False)
-
-    def _sample(self, name: str) -> dict[str, Any]:
-        """Returns a message of zeros of a topic of numbers."""
-        assert self._schema is not None
-        if name == TIME:
-            return {TIME: 0.0}
-        return {
-            field.partition(".")[2]: dict.fromkeys(column.elements, 0.0)
-            if column.elements
-            else 0.0
-            for field, column in self._schema.columns.items()
-            if field.startswith(f"{name}.")
-        }
-
-    def _register(self, topic: str, name: str, sample: Any) -> None:
-        schema = self._writer.register_schema(
-            name, "jsonschema", json.dumps(json_schema(sample)).encode()
-        )
-        self._channels[topic] = self._writer.register_channel(
-            f"/{topic}", "json", schema
-        )
 
     def _write(self, record: TickRecord) -> None:
         schema, time = self._schema, record.time
@@ -212,15 +167,11 @@ class McapWriter:
         }
         for name, numbers in plain.items():
             data = orjson.dumps(numbers)
-            if name in ON_CHANGE:
-                if data == self._latest.get(name):
-                    continue
-                self._latest[name] = data
-            self._add(time, name, data)
+            if name not in ON_CHANGE or self._is_new(name, data):
+                self._add(time, name, data)
         for name in STRUCTURED:
             data = _dumped(name, getattr(record, name))
-            if data != self._latest[name]:
-                self._latest[name] = data
+            if self._is_new(name, data):
                 self._add(time, name, data)
         for event in record.events:
             self._add_event(event, of_record=True)
@@ -232,19 +183,16 @@ class McapWriter:
                 self._add(time, name, orjson.dumps(message))
         self._rows += 1
 
+    def _is_new(self, topic: str, data: bytes) -> bool:
+        """Returns True if a message differs from the latest one of its topic."""
+        before = self._latest.get(topic)
+        self._latest[topic] = data
+        return data != before
+
     def _add_event(self, event: Event, *, of_record: bool) -> None:
-        if event.kind == MESSAGE:
-            message = event.data["message"]
-            topic = next(n for n, kind in COMMANDS.items() if isinstance(message, kind))
-            data: Any = {
-                "number": event.data["number"],
-                "time": event.time,
-                "message": to_plain(message),
-            }
-        else:
-            topic, data = EVENTS, event_message(event, of_record)
-        # A refused message may hold whole numbers that only Python's own JSON takes.
-        self._add(event.time, topic, json.dumps(data).encode())
+        topic, message = message_of_event(event, of_record)
+        # Data of a user's event may hold what only Python's own JSON takes.
+        self._add(event.time, topic, json.dumps(message).encode())
 
     def _add(self, time: float, topic: str, data: bytes) -> None:
         """Adds a message; its sequence is the number of the record."""
@@ -261,7 +209,7 @@ class McapWriter:
 def _dumped(name: str, value: Any) -> bytes:
     """Converts a structured part to JSON, with null for NaN and infinities."""
     return orjson.dumps(
-        STRUCTURED[name].wrapped(name, value),
+        message_of_part(name, value),
         default=to_plain,
         option=orjson.OPT_SERIALIZE_NUMPY,
     )

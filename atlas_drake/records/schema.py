@@ -5,7 +5,7 @@ The columns stand beside the fields of the records; only the labels depend on th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import NoneType, UnionType
@@ -84,23 +84,12 @@ class Schema(Frozen):
         found: dict[str, Any] = {}
         for name, column, labels in self._parts[group]:
             number = getattr(value, name)
-            if not labels:
-                found[name] = number
-            elif number is not None and not column.width:
-                found[name] = dict(zip(labels, number.tolist(), strict=True))
-            else:
+            if labels:
                 numbers = column.numbers(number, len(labels))
                 found[name] = dict(zip(labels, numbers, strict=True))
+            else:
+                found[name] = number
         return found
-
-    def numbers(self, record: TickRecord) -> Iterator[tuple[str, np.ndarray]]:
-        """Yields each column's name and numbers; NaN for what is missing."""
-        yield TIME, np.array([record.time])
-        for group in self.groups:
-            value = getattr(record, group)
-            for name, column, labels in self._parts[group]:
-                numbers = column.numbers(getattr(value, name), max(len(labels), 1))
-                yield f"{group}.{name}", np.array(numbers, dtype=float)
 
     def group_at(self, group: str, row: Mapping[str, np.ndarray]) -> Group:
         """Makes a group from the numbers of its columns, by column name."""

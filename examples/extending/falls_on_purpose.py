@@ -68,8 +68,8 @@ def main():
         print(f"summary: {name} is {summary[name]}")
     log = read_log(path)
     fall = next(event for event in log.events if event.kind == "fall")
-    speed = log.column("balance.com_velocity", "z")
-    height = log.column("balance.com", "z")
+    speed = log["balance.com_velocity.z"]
+    height = log["balance.com.z"]
     row = np.argmin(speed)
     print(f"log: {path}, events {[event.kind for event in log.events]}")
     print(f"log: warned {log.time[row] - fall.time:.2f} s before the impact")

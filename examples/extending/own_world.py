@@ -47,7 +47,7 @@ def throw(sim, speed):
 
 def find_hit(log):
     """Finds the time of the first impact [s], and its impulse [N·s], shape (3,)."""
-    axes = [log.column("world.v", f"ball_ball_v{axis}") for axis in "xyz"]
+    axes = [log[f"world.v.ball_ball_v{axis}"] for axis in "xyz"]
     step = np.diff(log.time)[:, None]
     change = np.diff(np.column_stack(axes), axis=0)
     impulses = MASS * (change - step * [0.0, 0.0, -GRAVITY])  # of contact, per tick
@@ -70,7 +70,7 @@ def main():
         log = read_log(path)
     time, impulse = find_hit(log)
     print(f"The ball hit at {time:.3f} s with {np.linalg.norm(impulse):.1f} N·s.")
-    sway = np.abs(log.column("balance.com_velocity", "x")).max()
+    sway = np.abs(log["balance.com_velocity.x"]).max()
     print(f"Its center of mass moved at {sway:.2f} m/s at most.")
     print("It fell." if sim.has_fallen else "It stands.")
 

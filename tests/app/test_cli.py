@@ -48,7 +48,7 @@ FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
         (["--help"], ["script", "DRCSim"]),
         (["script", "--help"], ["FILE.py", "--scenario", "-- ARGUMENT", "--log"]),
         (["demo", "--help"], ["--log", ".mcap", "Foxglove"]),
-        (["plot", "--help"], ["--output", ".html", "exit status"]),
+        (["plot", "--help"], ["--output", "--channels", ".svg", "exit status"]),
         (["replay", "--help"], ["--record", "--realtime-rate", "--headless"]),
         (["replay", "--help"], ["--video", "--show", "forces"]),
     ],

@@ -1,4 +1,4 @@
-"""Logs on the command line: --log, plot and replay."""
+"""Logs on the command line: --log, plot, export and replay."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,6 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.app import log as log_command
 from atlas_drake.app.main import main
-from atlas_drake.logs import png_page
 from atlas_drake.scenario.world_file import View, World
 
 from .conftest import animation_in
@@ -39,104 +38,100 @@ def test_a_log_is_complete_up_to_a_failure(scenario, tmp_path, monkeypatch):
     )
 
 
-@pytest.mark.slow
-def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
-    pytest.importorskip("plotly")
-    monkeypatch.setattr(png_page, "DPI", 40)
-    assert main(["plot", str(log_file)]) == 0
-    png, html = (log_file.with_suffix(".figures" + end) for end in (".png", ".html"))
-    assert png.read_bytes().startswith(b"\x89PNG")
-    assert html.read_text().rstrip().endswith("</html>")
-    out = capsys.readouterr().out
-    for text in ("Reading", "Drawing", str(png), str(html)):
-        assert text in out
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        pytest.param("plot", "run.png", marks=pytest.mark.slow),
+        ("plot --channels balance", "run.png"),
+        ("export", "run.parquet"),
+    ],
+)
+def test_a_file_is_made_beside_the_log(command, name, log_file, capsys):
+    assert main([command.split()[0], str(log_file), *command.split()[1:]]) == 0
+    file = log_file.with_name(name)
+    assert file.stat().st_size > 1000
+    assert str(file) in capsys.readouterr().out
+    file.unlink()
+
+
+def test_channels_are_listed_and_drawn(log_file, tmp_path, capsys):
+    assert main(["plot", str(log_file), "--channels"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    units = [
+        f"{name} [{unit or '-'}]" for name, unit in read_log(log_file).units.items()
+    ]
+    assert lines == units
+    svg = tmp_path / "figure.svg"
+    chosen = ["--channels", "balance.dcm,*.effort.l_leg_kny", "-o", str(svg)]
+    assert main(["plot", str(log_file), *chosen]) == 0
+    text = svg.read_text()
+    for name in ("balance.dcm.x", "balance.dcm.y", "joints.effort.l_leg_kny"):
+        assert name in text
 
 
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["plot", "LOG", "--output", "TMP/figure.gif"], ".png, .html"),
+        (["plot", "LOG", "--output", "TMP/figure.gif"], ".png, .svg, .pdf"),
         (["plot", "LOG", "--output", "TMP/none/figure.png"], "there is no folder"),
+        (["plot", "LOG", "--channels", "nose"], "'nose'"),
         (["plot", "TMP/none.mcap"], "there is no such file"),
-        (["plot", "TMP/fake.mcap"], "it is not a log"),
-        (["plot", "TMP/run.csv"], "must end in"),
-        (
-            ["replay", "TMP/none.mcap", "--headless", "--record", "TMP/a.html"],
-            "no such",
-        ),
+        (["plot", "TMP/fake.mcap"], "fake.mcap: "),
+        (["plot", "TMP/README.md"], "must end in"),
+        (["export", "LOG", "-o", "TMP/run.xls"], ".parquet, .csv, .npz"),
+        (["replay", "TMP/none.mcap", "--record", "TMP/a.html"], "no such"),
         (["replay", "LOG", "--headless"], "--record"),
         (["replay", "LOG", "--record", "TMP/none/a.html"], "there is no folder"),
         (["replay", "LOG", "--video", "TMP/none/a.mp4"], "there is no folder"),
         (["replay", "LOG", "--video", "TMP/a.avi"], ".mp4 or .gif"),
     ],
 )
-def test_arguments_of_plot_and_replay_that_cannot_be_used_exit_with_2(
+def test_arguments_that_cannot_be_used_are_named_in_one_line(
     arguments, complaint, log_file, tmp_path, capsys
 ):
     (tmp_path / "fake.mcap").write_text("no log")
-    (tmp_path / "run.csv").write_text("time\n")
+    (tmp_path / "README.md").write_text("# Atlas\n")
     line = [a.replace("TMP", str(tmp_path)) for a in arguments]
     line = [str(log_file) if a == "LOG" else a for a in line]
-    assert main(line) == 2
-    assert complaint in capsys.readouterr().err
-
-
-def test_a_page_that_a_full_disk_stops_leaves_the_others(
-    log_file, tmp_path, capsys, monkeypatch
-):
-    def draw(_page, path):
-        if path.suffix == ".png":
-            raise OSError(28, "No space left on device")
-        path.write_text("whole")
-
-    monkeypatch.setattr(log_command, "_drawing", lambda _file: draw)
     before = {*log_file.parent.iterdir()}
-    full, page = tmp_path / "full.png", tmp_path / "a.html"
-    options = ["--output", str(full), "--output", str(page)]
-    assert main(["plot", str(log_file), *options]) == 3
-    assert f"{full} is lost: No space left on device" in capsys.readouterr().out
-    assert [*tmp_path.iterdir()] == [page]
+    assert main(line) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert complaint in error
     assert {*log_file.parent.iterdir()} == before
 
 
-def test_a_page_that_cannot_be_drawn_leaves_nothing(log_file, tmp_path, monkeypatch):
-    def fail(_page, path):
-        path.write_text("half")
-        raise KeyboardInterrupt
+@pytest.mark.parametrize(
+    ("command", "file", "package"),
+    [
+        ("plot", "run.svg", "matplotlib"),
+        ("export", "run.csv", "pandas"),
+        ("export", "run.parquet", "pyarrow"),
+    ],
+)
+def test_a_missing_package_is_named_with_what_to_install(
+    command, file, package, log_file, tmp_path, capsys, hide_package
+):
+    hide_package(package, "atlas_drake.logs.figures", "atlas_drake.logs.drawing")
+    file = tmp_path / file
+    assert main([command, str(log_file), "--output", str(file)]) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert f'pip install "atlas-drake[{command}]"' in error
+    assert not file.exists()
 
-    monkeypatch.setattr(log_command, "_drawing", lambda _file: fail)
-    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.png")]) == 130
+
+@pytest.mark.parametrize("command", ["plot --channels balance.com.x", "export"])
+def test_a_file_that_a_full_disk_stops_is_named(
+    command, log_file, tmp_path, capsys, largest_file
+):
+    file = tmp_path / ("a.csv" if command == "export" else "a.png")
+    with largest_file(1000):
+        line = [*command.split(), str(log_file), "--output", str(file)]
+        assert main(line) == 3
+    assert f"{file} is lost: File too large" in capsys.readouterr().out
     assert [*tmp_path.iterdir()] == []
 
 
-@pytest.mark.slow
-def test_a_missing_plotly_is_named_with_what_to_install(
-    log_file, tmp_path, capsys, monkeypatch, hide_package
-):
-    hide_package("plotly", "atlas_drake.logs.html_page")
-    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.html")]) == 2
-    assert "pip install plotly" in capsys.readouterr().err
-    # Without --output there is the picture, and a hint.
-    monkeypatch.setattr(png_page, "DPI", 40)
-    log = tmp_path / "run.mcap"
-    log.write_bytes(log_file.read_bytes())
-    assert main(["plot", str(log)]) == 0
-    assert "Left out" in capsys.readouterr().out
-    assert (tmp_path / "run.figures.png").exists()
-    assert not (tmp_path / "run.figures.html").exists()
-
-
-def test_plot_without_any_package_names_what_to_install(log_file, capsys, hide_package):
-    hide_package("matplotlib", "atlas_drake.logs.png_page")
-    hide_package("plotly", "atlas_drake.logs.html_page")
-    before = {*log_file.parent.iterdir()}
-    assert main(["plot", str(log_file)]) == 2
-    out, error = capsys.readouterr()
-    assert out.count("Left out") == 2
-    for package in ("matplotlib", "plotly"):
-        assert f"pip install {package}" in out
-    assert "pip install matplotlib" in error
-    assert {*log_file.parent.iterdir()} == before
+# ---- replay ------------------------------------------------------------------
 
 
 def test_a_replay_with_view_ends_by_itself_without_a_terminal(log_file, capsys):

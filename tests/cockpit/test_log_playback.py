@@ -78,8 +78,7 @@ def test_chosen_columns_are_sampled_as_the_log_has_them(run):
     assert names == set(COLUMNS)
     times = np.array([time for time, _ in samples])
     for name in COLUMNS:
-        channel, _, label = name.rpartition(".")
-        column = np.interp(times, log.time, log.column(channel, label))
+        column = np.interp(times, log.time, log[name])
         sampled = np.array([numbers[name] for _, numbers in samples])
         spread = max(np.ptp(column), 1e-3)
         assert np.median(np.abs(sampled - column)) < 0.05 * spread, name

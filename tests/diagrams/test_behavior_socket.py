@@ -30,7 +30,6 @@ from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,
     make_whole_body_controller,
 )
-from atlas_drake.logs.figures import make_page
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
@@ -116,8 +115,8 @@ def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     row = len(log) // 2
     assert log.behavior(int(log["behavior.current"][row])).name == "BOW"
     assert log.commands[0].message.params == {"depth": 0.3}
-    modes = make_page(log).panels[0]
-    assert {item.label: item.color for item in modes.items}["BOW"] == bow.color
+    assert log.header.catalog.find("BOW") == 100
+    assert log.header.catalog.entry(log.behavior(100)).color == bow.color
     assert caption_of(log.record(row), log.header.catalog)[0] == "bowing"
 
 

@@ -88,24 +88,17 @@ def run(recorded):
     return recorded[:2]
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def log(recorded):
     return recorded[1]
 
 
 @pytest.fixture
-def write(log):
-    """Writes records, by default those of the log, to another file."""
-
-    def write(path, records=None, header=None):
-        writer = McapWriter(path, header or log.header)
-        writer.begin(log.schema)
-        for record in log.records() if records is None else records:
-            writer.record(record)
-        writer.close()
-        return path
-
-    return write
+def writer(log, tmp_path):
+    """Writes another file with the schema of the log."""
+    writer = McapWriter(tmp_path / "other.mcap", log.header)
+    writer.begin(log.schema)
+    return writer
 
 
 def assert_beginning_of(whole, found):

@@ -1,23 +1,14 @@
-"""The page of figures: its contents, in both output formats."""
-
-import re
+"""The figures of a log: what each of them shows."""
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
+from atlas_drake import LogError
 from atlas_drake.frozen import replace
-from atlas_drake.logs import png_page
-from atlas_drake.logs.balance_figures import (
-    balance_over_time,
-    double_supports,
-    feet_of,
-    footprints,
-    runs,
-    view_from_above,
-)
-from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.figures import draw_channels, draw_page
+from atlas_drake.logs.footprints import runs, soles_of
 from atlas_drake.logs.log import LoggedEvent
-from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
 from atlas_drake.messages.event import Event
 
 TITLES = {
@@ -41,65 +32,86 @@ TITLES = {
 }
 
 
+def axes_of(figure):
+    """The figures of a page by the beginnings of their titles."""
+    titles = {axes: axes.get_title(loc="left") for axes in figure.axes}
+    return {
+        title.partition(" (")[0] if "k_effort" not in title else title: axes
+        for axes, title in titles.items()
+        if title
+    }
+
+
 @pytest.fixture(scope="module")
-def page(run):
-    return make_page(run[1])
+def page(log):
+    return axes_of(draw_page(log))
 
 
-def panel(page, title):
-    (found,) = [p for p in page.panels if p.title.startswith(title)]
-    return found
+def curves(axes, *, dashed=False):
+    return [
+        line
+        for line in axes.lines
+        if (line.get_linestyle() == "--") == dashed and line.get_label() != "_fall"
+    ]
 
 
-def plain_title(text):
-    return text.partition(" (")[0] if "k_effort" not in text else text
+def spans(axes):
+    """Name, begin and end of the pieces of a timeline."""
+    found = [(p.get_label()[1:], *p.get_extents().intervalx) for p in axes.patches]
+    to_time = axes.transData.inverted()
+    return sorted(
+        (
+            (name, *(to_time.transform((x, 0))[0] for x in ends))
+            for name, *ends in found
+        ),
+        key=lambda one: one[1],
+    )
+
+
+def with_columns(log, **columns):
+    arrays = {name.replace("__", "."): array for name, array in columns.items()}
+    return replace(log, arrays=log.arrays | arrays)
+
+
+def test_the_page_has_every_figure_with_its_labels(log, page):
+    assert {title: axes.get_ylabel() for title, axes in page.items()} == TITLES
+    forces = page["Foot forces"]
+    assert forces.get_xlabel() == "time [s]"
+    assert forces.get_xlim() == (0.0, log.time[-1] + log.header.control_period)
+    assert page["From above"].get_aspect() == 1.0
+    labels = [t.get_text() for t in page["Left leg"].get_legend().get_texts()]
+    assert labels == ["hpz", "hpx", "hpy", "kny", "aky", "akx"]
+
+
+@pytest.mark.parametrize(
+    ("title", "columns"),
+    [
+        ("Right leg", [f"joints.position.r_leg_{j}" for j in ("hpz", "hpx", "hpy")]),
+        ("Foot heights", ["feet.left_position.z", "feet.right_position.z"]),
+        ("Foot forces", ["feet.left_force.z", "feet.right_force.z"]),
+        (
+            "Velocity of the pelvis in the world",
+            [f"pelvis.velocity.{a}" for a in "xyz"],
+        ),
+        ("Balance sideways", [f"balance.{name}.y" for name in ("com", "dcm", "cop")]),
+    ],
+)
+def test_curves_are_columns_over_time(title, columns, log, page):
+    for line, column in zip(curves(page[title]), columns, strict=False):
+        np.testing.assert_array_equal(line.get_xdata(), log.time)
+        np.testing.assert_array_equal(line.get_ydata(), log[column])
 
 
 def test_behaviors_are_a_timeline(log, page):
-    spans = panel(page, "Active behavior").items
-    assert [span.label for span in spans] == ["STAND", "WALK"]
-    assert spans[0].end == spans[1].start
-    assert spans[1].start == pytest.approx(0.14, abs=log.header.control_period)
-    assert spans[-1].end == log.time[-1]
-
-
-def test_maps_show_shares_and_efforts(log, page):
-    (shares,) = panel(page, "Share of the user").items
-    np.testing.assert_array_equal(shares.values, log["joints.k_effort"].T)
-    (efforts,) = panel(page, "Efforts").items
-    assert efforts.names == log.robot.joint_names
-    knee = log.robot.joint_index("l_leg_kny")
-    share = np.abs(log["joints.effort"][:, knee]) / log.robot.effort_limit[knee]
-    np.testing.assert_allclose(efforts.values[knee], share)
-
-
-def test_set_points_are_shown_where_the_user_has_a_share(log, page):
-    lines = panel(page, "Right arm").items
-    dashed = [line for line in lines if line.dashed]
-    assert len(dashed) == 1
-    users = log["joints.k_effort"][:, log.robot.joint_index("r_arm_ely")] > 0
-    np.testing.assert_array_equal(np.isnan(dashed[0].y), ~users)
-    assert not any(line.dashed for line in panel(page, "Left arm").items)
-
-
-def test_references_are_dashed_where_there_are_any(log):
-    """STAND and WALK plan different ones, and a controller may plan none."""
-    names = [f"balance.{name}_reference" for name in ("com", "dcm", "cop")]
-    feet = feet_of(log)
-    for given in (names, names[:1], []):
-        arrays = {**log.arrays}
-        for name in set(names) - set(given):
-            arrays[name] = np.full_like(arrays[name], np.nan)
-        part = replace(log, arrays=arrays)
-        for drawn, column in (
-            (view_from_above(part, feet), 1),
-            (balance_over_time(part, feet, 0), 0),
-            (balance_over_time(part, feet, 1), 1),
-        ):
-            plans = [i.y for i in drawn.items if isinstance(i, Line) and i.dashed]
-            assert len(plans) == len(given), drawn.title
-            for name, y in zip(given, plans, strict=True):
-                np.testing.assert_array_equal(y, arrays[name][:, column])
+    axes = page["Active behavior"]
+    (stand, begin, change), (walk, start, end) = spans(axes)
+    assert (stand, walk) == ("STAND", "WALK")
+    assert (begin, change) == pytest.approx((0.0, start))
+    assert start == pytest.approx(0.14, abs=log.header.control_period)
+    assert end == pytest.approx(log.time[-1])
+    colors = [to_hex(patch.get_facecolor()) for patch in axes.patches]
+    entries = {entry.name: entry.color for entry in log.header.catalog}
+    assert {entries["STAND"], entries["WALK"]} == set(colors)
 
 
 def test_ticks_without_a_qp_are_not_shown_as_solved(log):
@@ -107,41 +119,66 @@ def test_ticks_without_a_qp_are_not_shown_as_solved(log):
     solved = np.ones(rows, dtype=int)
     solved[: rows // 2] = -1
     solved[-5:] = 0
-
-    def labels(solved):
-        arrays = {**log.arrays, "controller.solved": solved}
-        page = make_page(replace(log, arrays=arrays))
-        return [span.label for span in panel(page, "Whole-body QP").items]
-
-    assert labels(solved) == ["solved", "no QP", "no solution"]
-    assert labels(np.full(rows, -1)) == ["no QP"]
-    assert labels(log["controller.solved"]) == ["solved"]
+    axes = axes_of(draw_page(with_columns(log, controller__solved=solved)))
+    names = [name for name, *_ in spans(axes["Whole-body QP"])]
+    assert names == ["no QP", "solved", "no solution"]
 
 
-def test_the_cop_lies_in_the_support(log, page):
-    items = panel(page, "Balance sideways").items
-    (support,) = [item for item in items if isinstance(item, Band)]
-    (cop,) = [i for i in items if isinstance(i, Line) and i.label == "CoP"]
-    # The CoP comes from the forces of the tick before.
-    later = slice(20, None)
-    assert (cop.y[later] < support.high[later] + 1e-3).all()
-    assert (cop.y[later] > support.low[later] - 1e-3).all()
+def test_maps_show_shares_and_efforts(log, page):
+    names = [
+        t.get_text() for t in page["Efforts against their limits"].get_yticklabels()
+    ]
+    assert tuple(names) == log.robot.joint_names
+    (shares,) = page["Share of the user (k_effort)"].images
+    np.testing.assert_array_equal(shares.get_array(), log["joints.k_effort"].T)
+    (efforts,) = page["Efforts against their limits"].images
+    share = np.abs(log["joints.effort"]) / log.robot.effort_limit
+    np.testing.assert_allclose(efforts.get_array(), share.T)
 
 
-def test_a_fall_is_marked_in_all_figures_over_time(log):
-    fall = LoggedEvent(11, Event(0.1, "fall", "falling in STAND"), True)
-    fallen = replace(log, logged=[*log.logged, fall])
-    for p in make_page(fallen).panels:
-        marked = any(isinstance(item, Marker) and item.x == 0.1 for item in p.items)
-        assert marked == p.over_time, p.title
+def test_set_points_are_shown_where_the_user_has_a_share(log, page):
+    (setpoint,) = curves(page["Right arm"], dashed=True)
+    users = log["joints.k_effort.r_arm_ely"] > 0
+    np.testing.assert_array_equal(np.isnan(setpoint.get_ydata()), ~users)
+    assert setpoint.get_ydata()[-1] == 1.9
+    assert curves(page["Left arm"], dashed=True) == []
 
 
-def test_standing_has_one_print_of_each_foot_and_one_polygon(log):
-    feet = feet_of(log)
-    assert [len(footprints(log, feet, foot)) for foot in (0, 1)] == [1, 1]
-    (polygon,) = double_supports(log, feet)
+@pytest.mark.parametrize("names", [("com", "dcm", "cop"), ("com",), ()])
+def test_references_are_dashed_where_there_are_any(names, log):
+    """STAND and WALK plan different ones, and a controller may plan none."""
+    missing = {
+        f"balance__{name}_reference": np.full((len(log), 2), np.nan)
+        for name in {"com", "dcm", "cop"} - {*names}
+    }
+    axes = axes_of(draw_page(with_columns(log, **missing)))
+    for title, column in (("Balance ahead", 0), ("Balance sideways", 1)):
+        planned = curves(axes[title], dashed=True)
+        for line, name in zip(planned, names, strict=True):
+            reference = log[f"balance.{name}_reference"][:, column]
+            np.testing.assert_array_equal(line.get_ydata(), reference)
+
+
+def test_a_fall_is_marked_in_every_figure_over_time(log):
+    fall = LoggedEvent(0, Event(0.1, "fall", "falling"), True)
+    for title, axes in axes_of(draw_page(replace(log, logged=[fall]))).items():
+        marks = [line for line in axes.lines if line.get_label() == "_fall"]
+        assert len(marks) == (title != "From above"), title
+        assert all(mark.get_xdata()[0] == 0.1 for mark in marks)
+
+
+def test_standing_has_one_print_of_each_foot_and_the_cop_in_its_support(log):
+    soles = soles_of(log)
+    assert [len(soles.footprints(foot)) for foot in (0, 1)] == [1, 1]
+    (polygon,) = soles.double_supports()
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     np.testing.assert_allclose(high - low, [0.26, 0.41], atol=0.05)
+    for axis in (0, 1):
+        low, high = soles.extent(axis)
+        cop = log["balance.cop"][:, axis]
+        # The CoP comes from the forces of the tick before.
+        inside = (low - 1e-3 <= cop) & (cop <= high + 1e-3)
+        assert inside[np.isfinite(cop) & np.isfinite(low)].mean() > 0.95
 
 
 def test_runs_are_where_flags_are_set():
@@ -150,55 +187,27 @@ def test_runs_are_where_flags_are_set():
     assert list(runs(np.zeros(3, dtype=bool))) == []
 
 
-def test_a_thinned_curve_keeps_extremes_and_gaps():
-    x = np.arange(10_000.0)
-    y = np.sin(0.001 * x)
-    y[1234], y[7777] = 9.0, -9.0
-    y[5000:5003] = np.nan
-    thin_x, thin_y = thinned(x, y, 200)
-    assert len(thin_x) < 320
-    assert 1234 in thin_x
-    assert 7777 in thin_x
-    assert np.isnan(thin_y).any()
-    assert (np.diff(thin_x) > 0).all()
-    np.testing.assert_array_equal(thinned(x[:50], y[:50], 200)[1], y[:50])
-
-
-def test_a_thinned_map_keeps_the_highest_values():
-    values = np.zeros((2, 1000))
-    values[1, 333] = 0.7
-    heat = Heat(np.arange(1000.0), ("a", "b"), values, 0, 1, ("#000000",), "")
-    x, thin = heat.thinned(100)
-    assert thin.shape == (2, 100)
-    assert thin[1].max() == 0.7
-    assert thin[0].max() == 0.0
-    assert abs(x[thin[1].argmax()] - 333) < 10
-
-
-def test_the_picture_has_every_figure_with_its_labels(page):
-    figure = png_page.draw_figure(page)
-    axes = {plain_title(a.get_title(loc="left")): a for a in figure.axes}
-    axes.pop("", None)  # Color scales.
-    assert {title: a.get_ylabel() for title, a in axes.items()} == TITLES
-    assert axes["Foot forces"].get_xlabel() == "time [s]"
-    assert axes["Foot forces"].get_xlim() == page.time
-    assert axes["From above"].get_aspect() == 1.0
-    labels = [t.get_text() for t in axes["Left leg"].get_legend().get_texts()]
-    assert labels == ["hpz", "hpx", "hpy", "kny", "aky", "akx"]
+def test_chosen_columns_are_drawn_one_figure_per_unit(log):
+    patterns = ["balance.dcm", "*.velocity.l_leg_kny", "balance.com.z", "balance.dcm.x"]
+    meters, speeds = draw_channels(log, patterns).axes
+    names = ["balance.dcm.x", "balance.dcm.y", "balance.com.z"]
+    assert [line.get_label() for line in meters.lines] == names
+    for line in (*meters.lines, *speeds.lines):
+        np.testing.assert_array_equal(line.get_ydata(), log[line.get_label()])
+    assert (meters.get_ylabel(), speeds.get_ylabel()) == ("[m]", "[rad/s]")
+    with pytest.raises(LogError, match=r"'balance\.dcn'"):
+        draw_channels(log, ["balance.dcn"])
 
 
 @pytest.mark.slow
-def test_no_titles_legends_or_figures_overlap(page):
-    figure = png_page.draw_figure(page)
+def test_no_titles_legends_or_figures_overlap(log):
+    figure = draw_page(log)
     figure.draw_without_rendering()
     boxes = []
-    for axes in figure.axes:
-        title = axes._left_title
-        if title.get_text():
-            boxes.append((title.get_text(), title.get_window_extent()))
+    for title, axes in axes_of(figure).items():
+        boxes.append((title, axes._left_title.get_window_extent()))
         if axes.get_legend() is not None:
-            name = f"legend of {title.get_text()}"
-            boxes.append((name, axes.get_legend().get_window_extent()))
+            boxes.append((f"legend of {title}", axes.get_legend().get_window_extent()))
     for number, (name, box) in enumerate(boxes):
         assert figure.bbox.contains(box.x0, box.y0), name
         assert figure.bbox.contains(box.x1, box.y1), name
@@ -207,84 +216,14 @@ def test_no_titles_legends_or_figures_overlap(page):
 
 
 @pytest.mark.slow
-def test_a_png_is_written(page, tmp_path, monkeypatch):
-    monkeypatch.setattr(png_page, "DPI", 40)
-    # What matplotlib would take for a formula, and one that it cannot read.
-    page = replace(page, title=r"run_$\x$.mcap: atlas, scenario $^_$")
-    png_page.write_png(page, tmp_path / "page.png")
-    data = (tmp_path / "page.png").read_bytes()
-    assert data.startswith(b"\x89PNG")
-    width, height = (int.from_bytes(data[k : k + 4], "big") for k in (16, 20))
-    assert width == 600
-    assert height > width
-
-
-@pytest.mark.slow
-def test_the_web_page_is_whole_and_loads_nothing(page, tmp_path):
-    pytest.importorskip("plotly")
-    from atlas_drake.logs.html_page import draw, write_html
-
-    file = tmp_path / "page.html"
-    write_html(page, file)
-    text = file.read_text()
-    # The browser is told to refuse whatever is not in the file.
-    policy = re.search(r'<head><meta http-equiv="Content-Security-Policy" (.*?)>', text)
-    assert "default-src 'none'" in policy[1]
-    assert "http" not in policy[1]
-    outside = re.sub(r"<script\b.*?</script>", "", text, flags=re.DOTALL)
-    assert "://" not in outside
-    assert not re.search(r"<script[^>]*\bsrc=", text)
-    assert "Foot forces" in text
-    figure = draw(page)
-    shown = [plain_title(a.text.strip("</b>")) for a in figure.layout.annotations]
-    assert set(TITLES) <= set(shown)
-
-
-def test_a_band_has_gaps_where_its_edges_are_nan():
-    pytest.importorskip("plotly")
-    from atlas_drake.logs.html_page import _band_polygons
-
-    nothing = np.array([np.nan])
-    edge = np.array([0.0, 0.0, np.nan, 1.0, 1.0, 1.0])
-    x, y = _band_polygons(Band(np.arange(6.0), edge, edge + 2.0, "#000000"))
-    pieces = np.split(x, np.flatnonzero(np.isnan(x)))
-    assert [piece[1:].tolist() for piece in pieces if len(piece) > 1] == [
-        [0, 1, 1, 0],
-        [3, 5, 5, 3],
-    ]
-    assert np.nanmax(y) == 3.0
-    empty = _band_polygons(Band(np.zeros(1), nothing, nothing, "#000000"))
-    assert np.isnan(empty).all()
-
-
-@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rows", [1, 2])
 def test_short_logs_without_contact_can_be_drawn(log, rows):
-    pytest.importorskip("plotly")
-    from atlas_drake.logs.html_page import draw
-
     arrays = {name: array[:rows].copy() for name, array in log.arrays.items()}
     for side in ("left", "right"):
         arrays[f"feet.{side}_force"][:] = 0.0
     arrays["controller.tick_time"][:] = np.nan
-    page = make_page(replace(log, arrays=arrays, logged=[]))
-    png_page.draw_figure(page).draw_without_rendering()
-    draw(page)
-
-
-def test_every_kind_of_item_is_drawn_on_the_web_page(page):
-    pytest.importorskip("plotly")
-    from atlas_drake.logs.html_page import draw
-
-    figure = draw(page)
-    kinds = {type(item) for p in page.panels for item in p.items}
-    assert kinds >= {Line, Band, Heat, Span}
-    assert len(figure.data) == sum(len(p.items) for p in page.panels)
-    times = figure.layout.xaxis4.range
-    assert times == page.time
-    # Between a panel and its title, two lines of the legend have room at any width.
-    titles = [note for note in figure.layout.annotations if "<b>" in note.text]
-    assert len(titles) == len(page.panels)
-    line = 1.4 * figure.layout.legend.font.size
-    assert all(title.yshift > 2.0 * line for title in titles)
+    # What matplotlib would take for a formula, and one that it cannot read.
+    path = log.path.with_name(r"run_$\x$.mcap")
+    figure = draw_page(replace(log, path=path, arrays=arrays, logged=[]))
+    figure.draw_without_rendering()

@@ -1,11 +1,10 @@
 """What was written is read, as far as a file goes; all other files are refused."""
 
-import errno
 import json
+from contextlib import suppress
 from functools import partial
 
 import jsonschema
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -23,15 +22,13 @@ from .conftest import PERIOD, TICKS, assert_beginning_of
 
 CHUNK = 30_000
 """Size of a chunk [byte], so that a short file has several."""
-SEVERAL = settings(max_examples=40, deadline=None)
+SEVERAL = settings(max_examples=25, deadline=None)
 
 
 def test_the_log_knows_its_scenario_and_robot(log):
     assert log.scenario.name == "recorded"
     assert log.scenario.noise == NOISE_MODELS["reference"]
     assert log.robot.name == "atlas"
-    with pytest.raises(KeyError, match=r"joints\.position"):
-        log["joints.positon"]
 
 
 def test_records_are_what_the_run_had(recorded):
@@ -51,56 +48,7 @@ def small_chunks(monkeypatch):
     monkeypatch.setattr(mcap_writer, "Writer", partial(Writer, chunk_size=CHUNK))
 
 
-@pytest.fixture
-def whole(write, tmp_path, small_chunks):
-    """The bytes of a log in several chunks."""
-    return write(tmp_path / "whole.mcap").read_bytes()
-
-
-def test_a_file_cut_off_anywhere_is_read_up_to_there(log, whole, tmp_path):
-    records = [*log.records()]
-
-    @SEVERAL
-    @given(st.floats(0.0, 1.0))
-    def check(share):
-        torn = tmp_path / "torn.mcap"
-        torn.write_bytes(whole[: int(share * len(whole))])
-        try:
-            found = read_log(torn)
-        except LogError:
-            assert share < 0.2, "the first chunk was there"
-            return
-        rows = assert_beginning_of(log, found)
-        # What is lost is at most a chunk; the index at the end is not needed.
-        assert rows / TICKS > share - 0.25
-        assert [*found.records()] == records[:rows]
-
-    check()
-
-
-def test_a_damaged_file_is_refused_or_read_as_far_as_it_is_sound(log, whole, tmp_path):
-    path = tmp_path / "damaged.mcap"
-
-    @SEVERAL
-    @given(st.floats(0.0, 1.0), st.binary(min_size=1, max_size=60))
-    def check(place, noise):
-        begin = int(place * len(whole))
-        path.write_bytes(whole[:begin] + noise + whole[begin + len(noise) :])
-        try:
-            found = read_log(path)
-        except LogError:
-            return
-        for name in found.arrays.keys() & log.arrays.keys():
-            known = log[name][: len(found)]
-            np.testing.assert_array_equal(found[name], known, err_msg=name)
-
-    check()
-
-
-@pytest.mark.usefixtures("small_chunks")
-def test_a_log_can_be_read_while_it_is_written(log, tmp_path):
-    writer = McapWriter(tmp_path / "run.mcap", log.header)
-    writer.begin(log.schema)
+def test_a_log_is_read_as_far_as_it_was_written(small_chunks, log, writer):
     for record in log.records():
         writer.record(record)
     assert assert_beginning_of(log, read_log(writer.path)) > 0.5 * TICKS
@@ -108,6 +56,31 @@ def test_a_log_can_be_read_while_it_is_written(log, tmp_path):
     assert assert_beginning_of(log, read_log(writer.path)) == TICKS
     writer.record(log.record(0))  # Too late: it is not in the file.
     assert len(read_log(writer.path)) == TICKS
+    whole, records = writer.path.read_bytes(), [*log.records()]
+
+    @SEVERAL
+    @given(st.floats(0.0, 1.0))
+    def cut_off(share):
+        writer.path.write_bytes(whole[: int(share * len(whole))])
+        try:
+            found = read_log(writer.path)
+        except LogError:
+            assert share < 0.2, "the first chunk was there"
+            return
+        # What is lost is at most a chunk; the index at the end is not needed.
+        assert assert_beginning_of(log, found) / TICKS > share - 0.25
+        assert [*found.records()] == records[: len(found)]
+
+    @SEVERAL
+    @given(st.floats(0.0, 1.0), st.binary(min_size=1, max_size=60))
+    def damaged(place, noise):
+        begin = int(place * len(whole))
+        writer.path.write_bytes(whole[:begin] + noise + whole[begin + len(noise) :])
+        with suppress(LogError):
+            assert_beginning_of(log, read_log(writer.path))
+
+    cut_off()
+    damaged()
 
 
 # ---- other programs ----------------------------------------------------------
@@ -125,23 +98,32 @@ def test_other_programs_find_topics_schemas_and_an_index(log):
     assert schemas["/tf"].name == "foxglove.FrameTransforms"
     assert schemas["/joint_states"].name == "foxglove.JointStates"
     assert schemas["/events"].name == "foxglove.Log"
+    plain = {topic: json.loads(schema.data) for topic, schema in schemas.items()}
+    dcm = plain["/balance"]["properties"]["dcm"]
+    assert dcm["properties"].keys() == {"x", "y"}
+    assert dcm["description"].endswith("[m]")
     checks = {
-        topic: jsonschema.Draft202012Validator(json.loads(schema.data))
-        for topic, schema in schemas.items()
+        topic: jsonschema.Draft202012Validator(one) for topic, one in plain.items()
     }
     latest = {}
     for _, channel, message in messages:
-        plain = json.loads(message.data)
-        checks[channel.topic].validate(without_null(plain))
-        latest[channel.topic] = message.log_time, plain
+        content = json.loads(message.data)
+        checks[channel.topic].validate(without_null(content))
+        latest[channel.topic] = message.log_time, content
     stamp, joints = latest["/joints"]
     assert stamp == round(1e9 * log.time[-1])
-    knee = log.robot.joint_index("l_leg_kny")
-    assert joints["position"]["l_leg_kny"] == log["joints.position"][-1, knee]
-    (pelvis, *_soles) = latest["/tf"][1]["transforms"]
-    assert pelvis["child_frame_id"] == "pelvis"
-    place = [pelvis["translation"][axis] for axis in "xyz"]
-    assert place in log["pelvis.position"].tolist()
+    assert joints["position"]["l_leg_kny"] == log["joints.position.l_leg_kny"][-1]
+    states = {one["name"]: one for one in latest["/joint_states"][1]["joints"]}
+    assert states["l_leg_kny"]["effort"] in log["joints.effort.l_leg_kny"]
+    pelvis, left, right = latest["/tf"][1]["transforms"]
+    for frame, name, column in (
+        (pelvis, "pelvis", "pelvis.position"),
+        (left, "left_sole", "feet.left_position"),
+        (right, "right_sole", "feet.right_position"),
+    ):
+        assert frame["child_frame_id"] == name
+        position = [frame["translation"][axis] for axis in "xyz"]
+        assert position in log[column].tolist()
     # What changes seldom is written seldom.
     counts = {
         summary.channels[key].topic: count
@@ -164,17 +146,16 @@ def without_null(plain):
 # ---- files that are refused --------------------------------------------------
 
 
-@pytest.mark.parametrize("content", [b"", b"no log at all", b"\x89MCAP0\r\n" * 2])
+@pytest.mark.parametrize("content", [b"", b"no log at all", b"\x89MCAP0\r\n" * 2, None])
 def test_a_file_that_is_no_log_is_refused(content, tmp_path):
     path = tmp_path / "fake.mcap"
-    path.write_bytes(content)
+    if content is not None:
+        path.write_bytes(content)
     with pytest.raises(LogError, match=r"fake\.mcap: "):
         read_log(path)
 
 
-def test_a_file_that_is_missing_or_has_another_ending_is_named(log, tmp_path):
-    with pytest.raises(LogError, match=r"none\.mcap: there is no such file"):
-        read_log(tmp_path / "none.mcap")
+def test_a_file_with_another_ending_is_named(log, tmp_path):
     for act in (read_log, lambda path: McapWriter(path, log.header)):
         for name in ("run.npz", "run.macp"):
             with pytest.raises(LogError, match=rf"{name}: .*\.mcap"):
@@ -186,10 +167,7 @@ def test_a_file_that_is_missing_or_has_another_ending_is_named(log, tmp_path):
     [
         ({}, "no records"),
         ({"version": 99}, "version 99"),
-        ({"version": 1}, "version 1"),
-        ({"format": "something else"}, "something else"),
-        ({"schema": {"names": {}, "groups": ["mood"]}}, "header is invalid"),
-        ({"schema": None}, "header is invalid"),
+        ({"schema": {"names": {}, "groups": ["mood"]}}, "mood"),
         (None, "not of this program"),
     ],
 )
@@ -206,37 +184,9 @@ def test_a_header_that_does_not_fit_is_refused(changes, complaint, log, tmp_path
         read_log(path)
 
 
-POSE = {"q": np.zeros(35)}, {"q": np.full(35, np.nan)}
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda record: replace(record, time=-record.time),
-        *(
-            lambda record, pose=pose: replace(
-                record, state=replace(record.state, **pose)
-            )
-            for pose in POSE
-        ),
-        lambda record: replace(record, behavior=replace(record.behavior, current=99)),
-    ],
-)
-def test_a_log_that_contradicts_itself_is_refused(change, log, write, tmp_path):
-    path = tmp_path / "run.mcap"
-    write(path, map(change, log.records()))
-    with pytest.raises(LogError, match=r"run\.mcap"):
-        read_log(path)
-
-
-@pytest.mark.parametrize("model", ["../../../tmp/spot", "/tmp/spot"])
-def test_a_log_of_an_unknown_robot_is_refused(model, log, write, tmp_path):
-    path = write(tmp_path / "run.mcap", header=replace(log.header, model=model))
+def test_a_log_of_an_unknown_robot_is_refused(log):
     with pytest.raises(LogError, match="there is no robot"):
-        _ = read_log(path).robot
-    path = write(path, header=replace(log.header, control_period=float("nan")))
-    with pytest.raises(LogError, match=r"run\.mcap"):
-        read_log(path)
+        _ = replace(log, header=replace(log.header, model="/tmp/spot")).robot
 
 
 # ---- files that cannot be written --------------------------------------------
@@ -245,55 +195,34 @@ def test_a_log_of_an_unknown_robot_is_refused(model, log, write, tmp_path):
 def test_a_file_that_cannot_be_written_is_named_before_the_run(tmp_path):
     (tmp_path / "folder.mcap").mkdir()
     for path in (tmp_path / "missing" / "run.mcap", tmp_path / "folder.mcap"):
-        with pytest.raises(LogError, match=f"{path}: cannot be written: "):
+        with pytest.raises(LogError, match=f"{path.parent}"):
             AtlasSimulation(log=path)
     assert [*tmp_path.iterdir()] == [tmp_path / "folder.mcap"]
 
 
-def test_what_never_ran_leaves_an_earlier_file(log, write, tmp_path):
-    path = write(tmp_path / "run.mcap")
-    before = path.read_bytes()
+def test_what_never_ran_leaves_an_earlier_file(log, tmp_path):
+    path = tmp_path / "run.mcap"
+    path.write_text("before")
     for name in ("run.mcap", "new.mcap"):
         writer = McapWriter(tmp_path / name, log.header)
         writer.event(RunEvent(0.0, "start", "nothing comes of it"))
         writer.close()
         with pytest.raises(ZeroDivisionError):
             AtlasSimulation(extend=lambda *_parts: 1 / 0, log=tmp_path / name)
-        AtlasSimulation(log=tmp_path / name).close()
-    assert path.read_bytes() == before
+    assert path.read_text() == "before"
     assert [*tmp_path.iterdir()] == [path]
 
 
 @pytest.mark.usefixtures("small_chunks")
-@pytest.mark.parametrize("size", [100, 4 * CHUNK])
-def test_a_file_that_becomes_too_large_is_readable_up_to_there(
-    size, log, tmp_path, largest_file
-):
-    writer = McapWriter(tmp_path / "run.mcap", log.header)
-    writer.begin(log.schema)
-    with largest_file(size):
-        for record in log.records():
-            writer.record(record)
-        with pytest.raises(LogError, match=r"run\.mcap: cannot be written: File too"):
-            writer.close()
-    assert isinstance(writer.fault, LogError)
-    if size > 100:
-        assert assert_beginning_of(log, read_log(writer.path)) < TICKS
-
-
-def test_a_run_goes_on_without_a_log_on_a_full_disk(tmp_path, monkeypatch):
-    add, path = Writer.add_message, tmp_path / "run.mcap"
-
-    def until_full(writer, channel_id, log_time, *given, **named):
-        if log_time > 0.02e9:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        add(writer, channel_id, log_time, *given, **named)
-
-    monkeypatch.setattr(Writer, "add_message", until_full)
-    sim = AtlasSimulation(log=path)
-    sim.advance_to(10 * PERIOD)
-    assert sim.time == pytest.approx(10 * PERIOD)
+def test_a_run_goes_on_without_a_log_on_a_full_disk(tmp_path, largest_file):
+    path = tmp_path / "run.mcap"
+    with largest_file(2 * CHUNK):
+        sim = AtlasSimulation(log=path)
+        sim.advance_to(TICKS * PERIOD)
+    assert sim.time == pytest.approx(TICKS * PERIOD)
     (warning,) = [event for event in sim.events if event.kind == "warning"]
-    assert f"{path}: cannot be written: No space left" in warning.text
-    with pytest.raises(LogError, match="No space left"):
+    assert f"{path}: cannot be written: File too large" in warning.text
+    with pytest.raises(LogError, match="File too large"):
         sim.close()
+    # What was written can be read.
+    assert 0 < len(read_log(path)) < TICKS

@@ -1,14 +1,10 @@
 """A log holds the values of the ports at the ticks, and does not change the run."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
-from atlas_drake.logs.mcap_writer import McapWriter
 from atlas_drake.messages.joint_command import JOINT_FIELDS
-from atlas_drake.records.groups import Gains
 from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, PERIOD, TICKS, arm_command, drive, walk_command
@@ -25,7 +21,7 @@ def test_rows_are_the_control_ticks(log):
     assert log.header.control_period == pytest.approx(PERIOD)
 
 
-@pytest.mark.parametrize("period", [0.004, 0.008, 0.01])
+@pytest.mark.parametrize("period", [0.004, 0.01])
 def test_no_tick_is_lost_at_any_period(period, tmp_path):
     """Times are sums of periods, which are rounded."""
     scenario = Scenario(physics_step=0.002, control_period=period)
@@ -46,13 +42,17 @@ def test_recording_does_not_change_the_motion(run, scenario):
 
 def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
     sim = AtlasSimulation(scenario, log=tmp_path / "run.mcap")
-    sim.publish(arm_command())
+    messages = [AtlasCommand(kp_position=[7.0] * 28), arm_command()]
+    for message in messages:
+        sim.publish(message)
     seen = []
     for tick in range(12):
         sim.advance_to(PERIOD * tick)
         names = ("state", "behavior_state", "foot_wrenches")
         before = {name: np.array(sim.output(name)) for name in names}
         before["report"] = sim.atlas_sim_interface_state
+        # What motors do and touch changes in the tick.
+        before["atlas_state"] = sim.atlas_state
         # The control tick, after which the physics is a step further.
         sim.simulator.AdvancePendingEvents()
         names = ("controller_status", "behavior_effort", "commands")
@@ -61,12 +61,14 @@ def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
     sim.close()
     log = read_log(tmp_path / "run.mcap")
     assert len(log) == 12
+    assert [command.message for command in log.commands] == messages
     num_q = sim.plant.num_positions()
     indices = sim.robot.indices(sim.plant)
     for row, (before, status, effort, commands) in enumerate(seen):
         report, measured = before["report"], before["behavior_state"]
-        left, right = report.foot_pos_est
+        state, (left, right) = before["atlas_state"], report.foot_pos_est
         expected = {
+            "time": state.header.stamp,
             "state.q": before["state"][:num_q],
             "state.v": before["state"][num_q:],
             "joints.position": measured[indices.q],
@@ -83,6 +85,8 @@ def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
             "feet.right_orientation": right.orientation.to_wxyz(),
             "feet.left_torque": before["foot_wrenches"][:3],
             "feet.right_force": before["foot_wrenches"][9:],
+            "imu.orientation": state.orientation.to_wxyz(),
+            "imu.angular_velocity": state.angular_velocity.to_array(),
         }
         for name in ("com", "dcm", "cop"):
             reference = f"{name}_reference"
@@ -113,78 +117,29 @@ def test_balance_is_consistent(log):
         assert np.abs(log[f"balance.{name}"][standing]).max(axis=0)[1] < support, name
     error = (log["balance.dcm"] - log["balance.dcm_reference"])[standing]
     assert np.abs(error).max() < 0.05
-    weight = log["feet.left_force"][-20:, 2] + log["feet.right_force"][-20:, 2]
+    weight = log["feet.left_force.z"][-20:] + log["feet.right_force.z"][-20:]
     assert weight.mean() == pytest.approx(9.81 * log.robot.mass, rel=0.2)
-    assert log["imu.linear_acceleration"][20:, 2].mean() == pytest.approx(9.81, abs=2)
+    assert log["imu.linear_acceleration.z"][20:].mean() == pytest.approx(9.81, abs=2)
     assert (log["controller.tick_time"] > 0.0).all()
 
 
-def test_commands_are_kept_as_sent_with_their_times(log):
+def test_commands_and_events_are_kept_with_their_times(run):
+    sim, log = run
     arm, walk = log.commands
     assert (arm.time, walk.time) == pytest.approx((0.05, 0.14))
-    assert arm.message == arm_command()
-    assert walk.message == walk_command()
-    requests = [record.request for record in log.records()]
-    assert requests[0] is None
-    assert requests[-1] == walk_command()
-
-
-def test_events_are_kept(run):
-    sim, log = run
+    assert (arm.message, walk.message) == (arm_command(), walk_command())
+    assert log.record(0).request is None
+    assert log.record(len(log) - 1).request == walk_command()
     happened = sorted(sim.events, key=lambda event: event.time)
-    assert [(e.kind, e.text) for e in log.events] == [
-        (e.kind, e.text) for e in happened
+    assert [(event.kind, event.text, event.data) for event in log.events] == [
+        (event.kind, event.text, event.data) for event in happened
     ]
     times = [event.time for event in happened]
     assert [event.time for event in log.events] == pytest.approx(times)
-    assert log["behavior.error_code"].min() < 0  # Of the refusals.
     assert {"push", "behavior"} <= {event.kind for event in log.events}
     refused = [event for event in log.events if event.kind == "refusal"]
     assert [event.data["field"] for event in refused] == ["k_effort[1]", "k_effort[0]"]
-    assert {event.data["command"] for event in refused} == {"AtlasCommand"}
-
-
-def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scenario):
-    gains = AtlasCommand(kp_position=[7.0] * 28)
-    messages = [gains, arm_command(), walk_command()]
-    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
-        for message in messages:
-            sim.publish(message)
-        sim.advance_to(5 * PERIOD)
-        # What the next tick finds; what motors do and touch changes in the tick.
-        state = sim.atlas_state
-        sim.advance_to(6 * PERIOD)
-    log = read_log(tmp_path / "run.mcap")
-    assert [command.message for command in log.commands] == messages
-    in_tick = {
-        "effort": "joints.effort",
-        "linear_acceleration": "imu.linear_acceleration",
-    }
-    for hand, side in (("l_hand", "left"), ("r_hand", "right")):
-        in_tick[hand] = f"hands.{side}_force"
-    plain = {
-        "joints": ("position", "velocity", "k_effort"),
-        "gains": tuple(field.name for field in fields(Gains)),
-    }
-    expected = {
-        name: (getattr(state, name), f"{topic}.{name}")
-        for topic, names in plain.items()
-        for name in names
-    }
-    expected["header"] = state.header.stamp, "time"
-    expected["orientation"] = state.orientation.to_wxyz(), "imu.orientation"
-    expected["angular_velocity"] = (
-        state.angular_velocity.to_array(),
-        "imu.angular_velocity",
-    )
-    for foot, side in (("l_foot", "left"), ("r_foot", "right")):
-        force = getattr(state, foot).force.to_array()
-        expected[foot] = force, f"feet.{side}_force"
-    assert {f.name for f in fields(state)} == {*expected, *in_tick}
-    for name, (value, channel) in expected.items():
-        np.testing.assert_allclose(log[channel][5], value, atol=1e-9, err_msg=name)
-    for channel in in_tick.values():
-        assert np.isfinite(log[channel]).all()
+    assert log["behavior.error_code"].min() < 0  # Of the refusals.
 
 
 def test_a_log_continues_after_a_reset_and_ends_when_closed(tmp_path):
@@ -207,27 +162,6 @@ def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
     assert len(read_log(tmp_path / "run.mcap")) == 5
 
 
-def test_an_interrupt_while_a_record_is_written_loses_none_before(
-    tmp_path, monkeypatch
-):
-    write, calls = McapWriter.record, []
-
-    def interrupted(writer, record):
-        calls.append(record)
-        if len(calls) == 20:
-            raise KeyboardInterrupt
-        write(writer, record)
-
-    monkeypatch.setattr(McapWriter, "record", interrupted)
-    # Drake may pass it on as an error of its own.
-    with (
-        pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
-        AtlasSimulation(log=tmp_path / "run.mcap") as sim,
-    ):
-        sim.advance_to(30 * PERIOD)
-    assert [*read_log(tmp_path / "run.mcap").records()][:19] == calls[:19]
-
-
 @pytest.mark.slow
 def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     scenario = Scenario(initial_behavior="USER", jitter=Jitter(joints=0.6))
@@ -240,12 +174,10 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     (fall,) = [event for event in log.events if event.kind == "fall"]
     # The arms touch the trunk in the random pose of the start.
     upright = (log.time > 0.1) & (log.time < fall.time)
-    loads = []
     for side, wrench in (("left", state.l_hand), ("right", state.r_hand)):
-        force = log[f"hands.{side}_force"]
+        force, torque = (log[f"hands.{side}_{part}"] for part in ("force", "torque"))
         assert not force[upright].any()
         np.testing.assert_allclose(force[-1], wrench.force.to_array(), atol=1e-6)
-        torque = log[f"hands.{side}_torque"]
         np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1e-6)
-        loads.append(np.abs(force).max())
-    assert max(loads) > 20.0
+    hands = np.abs(log["hands.left_force"]), np.abs(log["hands.right_force"])
+    assert np.max(hands) > 20.0

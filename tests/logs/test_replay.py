@@ -7,7 +7,6 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import (
-    AtlasSimInterfaceCommand,
     AtlasSimulation,
     LogError,
     Scenario,
@@ -151,29 +150,3 @@ def test_a_scenario_that_this_version_cannot_read_is_named(log):
     header = replace(log.header, scenario="gravity: up\n")
     with pytest.raises(LogError, match="scenario"):
         make_replay(replace(log, header=header))
-
-
-@pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
-def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    step = command.step_params.desired_step
-    step.step_index, step.duration, step.swing_height = 1, 0.7, 0.1
-    step.pose.position.x, step.pose.position.y = 0.1, 0.14
-    command.manipulate_params.use_desired = True
-    command.manipulate_params.desired.pelvis_height = 0.75
-    sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.mcap")
-    sim.publish(command)
-    sim.advance_to(0.1)
-    sim.close()
-    log = read_log(tmp_path / "run.mcap")
-    # The behaviors see the estimate, and so do the log's pelvis and feet.
-    assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
-    again = Replayed(log).at(0.1)
-    assert replace(again, paths=None) == sim.record
-    seen = see(again, log.robot, log.header.catalog, Overlays(["flags"]))
-    assert seen.title.startswith(behavior)
-    assert seen.notes[-1] != "ok"
-    assert len(seen.footsteps) == (1 if behavior == "STEP" else 0)
-    moved = again.manipulate.internal_sensed.pelvis_height != 0.8
-    assert moved == (behavior == "MANIPULATE")

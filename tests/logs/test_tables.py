@@ -1,0 +1,64 @@
+"""The numbers of a log by name, in Python and as tables of other programs."""
+
+import numpy as np
+import pandas
+import pytest
+
+from atlas_drake.app.main import main
+from atlas_drake.records.flat import flat_numbers, flat_units
+
+
+def test_every_number_has_a_name_and_the_unit_of_the_run(run):
+    sim, log = run
+    numbers = flat_numbers(sim.schema, sim.record, log.numbers)
+    for name, array in log.numbers.items():
+        np.testing.assert_array_equal(array[-1], numbers[name], err_msg=name)
+    units = flat_units(sim.schema, sim.record)
+    assert log.units == {name: units[name] for name in log.numbers}
+    assert log.units["balance.dcm.x"] == "m"
+
+
+def test_a_column_is_found_by_its_name_and_by_its_label(log):
+    effort = log["joints.effort"]
+    assert effort.shape == (len(log), 28)
+    for index, joint in enumerate(log.robot.joint_names):
+        np.testing.assert_array_equal(log[f"joints.effort.{joint}"], effort[:, index])
+    assert np.nanmax(log["walk.t_step_rem"]) > 0.0
+    with pytest.raises(KeyError, match=r"'joints\.position'"):
+        log["joints.positon"]
+    with pytest.raises(KeyError, match=r"balance\.com\.x"):
+        log["balance.com.w"]
+
+
+def read_npz(path):
+    with np.load(path) as file:
+        columns = {name: file[name] for name in file.files}
+    labels = {name: columns.pop(f"{name}.labels", None) for name in [*columns]}
+    table = {}
+    for name, array in columns.items():
+        if labels.get(name) is None:
+            table[name] = array
+        else:
+            for index, label in enumerate(labels[name]):
+                table[f"{name}.{label}"] = array[:, index]
+    return pandas.DataFrame(table).set_index("time")
+
+
+READERS = {
+    ".parquet": pandas.read_parquet,
+    ".csv": lambda path: pandas.read_csv(path, index_col="time", dtype=float),
+    ".npz": read_npz,
+}
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_an_exported_table_has_every_number_to_the_bit(suffix, log, tmp_path):
+    path = tmp_path / f"table{suffix}"
+    assert main(["export", str(log.path), "--output", str(path)]) == 0
+    table = READERS[suffix](path)
+    assert [*table.columns] == [*log.numbers]
+    np.testing.assert_array_equal(table.index, log.time)
+    for name, numbers in log.numbers.items():
+        np.testing.assert_array_equal(table[name], numbers, err_msg=name)
+    if suffix != ".csv":
+        assert table["joints.k_effort.l_leg_kny"].dtype == np.uint8
