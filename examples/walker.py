@@ -1,23 +1,24 @@
 """A walking robot in one file: footsteps, DCM plan, whole-body QP, torque.
 
     python examples/walker.py
-    python examples/walker.py --headless --step-time 0.7 --push 15
 
-Read it from top to bottom. Every control tick, 9 ms, runs through four stages:
+Read it from top to bottom. It is made of the parts in ``atlas_drake.control``, and uses
+none of the shipped behaviors:
 
-    1. footsteps   where the feet go                             ``tutorial_steps``
-    2. DCM plan    how the CoM follows the feet                  ``plan_dcm``
-    3. tasks       what each part of the body does now           ``Walker.tasks``
-    4. QP          which torques do all of this, within limits   ``Walker.tick``
+    1. footsteps   where the feet go                        tutorial_steps
+    2. DCM plan    how the body follows without a fall      plan_dcm
+    3. phases      which foot is in the air                 Walker.next_phase
+    4. tasks       what each part of the body does now      Walker.tasks
+    5. QP          the torques that fulfill all the tasks   Walker.tick
 
-Frames and symbols, in SI units; W is the world, z up, and F a sole:
+Symbols, in SI units; W is the world, z up, and F a frame of the robot:
 
-    p_WF, R_WF     position and orientation of the sole in W
-    V_WF, J_WF     its spatial velocity [ω; v] in W, and the Jacobian: V_WF = J_WF v
-    c, ċ           position and velocity of the center of mass (CoM)
-    ω = √(g / z)   natural frequency of a pendulum with its mass at the height z
-    ξ = c + ċ / ω  divergent component of motion (DCM)
-    p              center of pressure below the feet (CoP)
+    p_WF, R_WF     position and orientation of F in W
+    V_WF, A_WF     spatial velocity and acceleration of F in W, [angular; translational]
+    c, ċ           center of mass (CoM) and its velocity
+    ω = √(g/z)     natural frequency of a pendulum with its mass at the height z
+    ξ = c + ċ/ω    divergent component of motion (DCM)
+    p              center of pressure (CoP) under the feet
 """
 
 import argparse
@@ -31,11 +32,11 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import LeafSystem
 
 from atlas_drake import AtlasSimulation, ControllerStatus, Footstep, Plan
+from atlas_drake.control import whole_body as wb
+from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
-from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.feet.sole import sole_corners, sole_patches
+from atlas_drake.control.feet.sole import sole_patches
 from atlas_drake.control.feet.swing_foot import (
     FootSwing,
     SwingProfile,
@@ -43,117 +44,133 @@ from atlas_drake.control.feet.swing_foot import (
     begin_swing,
 )
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.whole_body import (
-    ComTask,
-    Contact,
-    EffortBounds,
-    FrameTask,
-    InternalContactTask,
-    MomentTask,
-    OrientationTask,
-    PositionTask,
-    PostureTask,
-    WholeBodyCommand,
-    WholeBodyModel,
-    WholeBodyQp,
-)
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, rotation_z
 
+STEP_TIME = 0.63  # from one touchdown to the next [s]
 STRIDE, HALF_WIDTH = 0.25, 0.15  # of the steps, ahead and to the side [m]
-STEP_TIME, SWING_HEIGHT = 0.63, 0.3  # [s], [m]
-TRANSFER = 0.25  # share of the step time with both feet on the ground [-]
-FIRST_SHIFT, SETTLE = 1.0, 0.8  # before the first and after the last step [s]
-TOUCHDOWN = 0.03  # load that counts as touchdown, in weights of the robot [-]
-COM_DROP = 0.02  # below the stand-prep pose: bent knees have reach [m]
-GAINS, PROFILE = ControlGains(), SwingProfile()  # each with its reason there
+SWING_HEIGHT = 0.3  # of the soles [m]
+DOUBLE_SUPPORT = 0.25  # share of the step time with both feet down [-]
+STANDING, SETTLING = 1.0, 0.8  # before the first step, and after the last one [s]
+COM_DROP = 0.02  # below the upright pose: straight knees could not reach ahead [m]
+TOUCHDOWN = 0.03  # load on a foot that has landed, in weights of the robot [-]
+GAINS, PROFILE = ControlGains(), SwingProfile()  # Their files give the reasons.
 
 
 # ---- 1. Footsteps ------------------------------------------------------------
 
 
 def tutorial_steps(feet, step_time):
-    """Left, right, left, right: two strides ahead, and the feet side by side."""
+    """Place four footsteps ahead, left foot first; the last two are side by side."""
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
-    p_WM = 0.5 * (feet[0].p_WF + feet[1].p_WF)  # M: the middle between the soles
+    p_WM, R_WM = middle(feet), rotation_z(yaw)  # M is in the middle of the soles.
     steps = []
-    for number in range(4):
-        foot = number % 2  # 0 left, 1 right
-        p_MF = [(1 + number // 2) * STRIDE, outward(foot) * HALF_WIDTH, 0.0]
-        p_WF = p_WM + rotation_z(yaw) @ p_MF
-        steps.append(Footstep(number + 1, foot, p_WF, yaw, step_time, SWING_HEIGHT))
+    for index in range(4):
+        foot = index % 2  # 0 is left, 1 is right.
+        p_MF = [STRIDE * (1 + index // 2), (HALF_WIDTH, -HALF_WIDTH)[foot], 0.0]
+        p_WF = p_WM + R_WM @ p_MF
+        steps.append(Footstep(index + 1, foot, p_WF, yaw, step_time, SWING_HEIGHT))
     return tuple(steps)
+
+
+def middle(feet):
+    """Return the point in the middle of both soles in W [m], shape (3,)."""
+    return 0.5 * (feet[0].p_WF + feet[1].p_WF)
 
 
 # ---- 2. DCM plan -------------------------------------------------------------
 
 
-def plan_dcm(cop, shift, feet, steps, swing_time, omega):
-    """Plan the CoP through all coming steps, and the DCM that goes with it.
+def plan_dcm(cop, hold, feet, steps, omega):
+    """Plan the CoP through all coming steps, and the DCM that belongs to it.
 
-    A pendulum on the CoP p accelerates away from it, c̈ = ω² (c - p). In terms of the
-    DCM these are two equations of first order:
+    The body is an inverted pendulum on the CoP: c̈ = ω² (c - p). The DCM splits this
+    equation of second order into two of first order:
 
         ċ = ω (ξ - c)    stable: the CoM follows the DCM
         ξ̇ = ω (ξ - p)    unstable: the DCM runs away from the CoP
 
-    The CoP moves to each stance foot in turn and rests there during the swing. The DCM
-    is solved backward in time from the end, where it rests over the CoP: backward the
-    unstable equation is stable.
+    So only the DCM needs a plan. The CoP holds still, moves to the next stance foot
+    while both feet are down, holds still during the swing, and so on; it ends in the
+    middle of the feet, where the DCM comes to rest. ``DcmPlan`` solves the equation of
+    the DCM from this end backward in time, in which it is stable.
+
+    Args:
+        cop: CoP now in W [m], shape (2,).
+        hold: Time for which the CoP holds still at first [s].
+        feet: Poses of both soles at the end of this time.
+        steps: Steps that begin after this time.
+        omega: Natural frequency ω [1/s].
     """
-    feet, segments = list(feet), []
+    segments, feet = [CopSegment(hold, cop, cop)] if hold else [], list(feet)
     for step in steps:
         stance = feet[1 - step.foot].p_WF[:2]
-        if shift > 0.0:
-            segments.append(CopSegment(shift, cop, stance))
-        segments.append(CopSegment(swing_time, stance, stance))
+        segments.append(CopSegment(transfer_time(step), cop, stance))
+        segments.append(CopSegment(swing_time(step), stance, stance))
         cop, feet[step.foot] = stance, step.pose
-        shift = TRANSFER * step.duration
-    middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
-    segments.append(CopSegment(SETTLE, cop, middle))
+    segments.append(CopSegment(SETTLING, cop, middle(feet)[:2]))
     return DcmPlan(segments, omega)
+
+
+def transfer_time(step):
+    """Return the time from touchdown to the lift-off of the other foot [s]."""
+    return DOUBLE_SUPPORT * step.duration
+
+
+def swing_time(step):
+    """Return the time from lift-off to touchdown [s]."""
+    return step.duration - transfer_time(step)
+
+
+# ---- The controller ----------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Phase(Frozen):
-    """One foot is in the air, or both are on the ground: the walker's whole memory."""
+    """Double or single support: the state of the walker from tick to tick."""
 
-    feet: tuple[FootPose, FootPose] = ()  # on the ground, as last measured
-    steps: tuple[Footstep, ...] = ()  # to take, the one in the air first
-    plan: DcmPlan | None = None  # from the beginning of the phase on
+    feet: tuple[FootPose, ...] = ()  # where the soles last stood on the ground
+    steps: tuple[
+        Footstep, ...
+    ] = ()  # to go; the first one is in the air if swing is set
+    plan: DcmPlan | None = None  # its time is elapsed
+    duration: float = 0.0  # planned [s]
+    elapsed: float = 0.0  # since the beginning of the phase [s]
     swing: FootSwing | None = None  # motion of the foot in the air
-    elapsed: float = 0.0  # [s]
 
     @property
-    def is_over(self):
-        """True at the end of the plan's first segment."""
-        return self.elapsed >= self.plan.segments[0].duration
+    def swing_foot(self):
+        """The foot in the air; None in double support."""
+        return self.steps[0].foot if self.swing else None
+
+    @property
+    def stance_feet(self):
+        """The feet on the ground."""
+        return tuple(foot for foot in (0, 1) if foot != self.swing_foot)
 
 
 class Walker(LeafSystem):
-    """The controller: state of the robot in, joint torques out."""
+    """State of the robot in, joint torques out; the ``Phase`` is in the Context."""
 
     def __init__(self, robot, scenario, step_time=STEP_TIME):
+        """Declare the ports; the simulation connects them by their names."""
         super().__init__()
-        n, limit = robot.num_joints, robot.effort_limit
         self.robot, self.dt, self.step_time = robot, scenario.control_period, step_time
-        self.weight = robot.mass * GRAVITY
-        self.height = robot.com_height - COM_DROP
-        self.omega = pendulum_frequency(self.height)
-        self.soles = [foot.sole_frame for foot in robot.file.feet]
-        self.patches = sole_patches(robot.file.sole, GAINS.contact)
-        self.model = WholeBodyModel(robot)
-        self.scratch = self.model.create_context()
-        self.qp = WholeBodyQp(robot, GAINS)
-        self.bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
-        # The simulation connects these by their names.
+        self.weight = robot.mass * GRAVITY  # [N]
+        self.height = robot.com_height - COM_DROP  # of the CoM above the soles [m]
+        self.omega = feedback.pendulum_frequency(self.height)
+        self.soles = tuple(foot.sole_frame for foot in robot.file.feet)
+        self.patch = sole_patches(robot.file.sole, GAINS.contact).whole
+        self.model, self.qp = wb.WholeBodyModel(robot), wb.WholeBodyQp(robot, GAINS)
+        self.scratch = self.model.create_context()  # scratch paper, not state
+
         self.state = self.DeclareVectorInputPort("state", self.model.num_states)
-        self.loads = self.DeclareVectorInputPort("foot_loads", 2)
+        self.loads = self.DeclareVectorInputPort("foot_loads", 2)  # [N]
         self.phase = self.DeclareAbstractState(AbstractValue.Make(Phase()))
-        self.effort = self.DeclareDiscreteState(n)
-        self.DeclareStateOutputPort("behavior_effort", self.effort)
+        self.torque = self.DeclareDiscreteState(robot.num_joints)  # [N·m]
+        self.DeclareStateOutputPort("behavior_effort", self.torque)
         self.DeclareAbstractOutputPort(
             "controller_status",
             lambda: AbstractValue.Make(ControllerStatus()),
@@ -162,185 +179,204 @@ class Walker(LeafSystem):
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(self.dt, 0.0, self.tick)
 
-    # ---- 4. QP -> torque -----------------------------------------------------
+    # ---- 3. Phases -----------------------------------------------------------
 
-    def tick(self, context, state):
-        """Find the torques for this tick.
-
-            min   Σ ½ ‖A v̇ + b + G λ - target‖²_weight        tasks
-            s.t.  M v̇ + h = Sᵀ τ + Jᵀ λ                        dynamics
-                  C λ ≤ 0                                       friction, CoP in the sole
-                  τ_min ≤ τ ≤ τ_max,  q̈_min ≤ q̈ ≤ q̈_max        motors, joint limits
-
-        over v̇ ∈ R^{6 + n}, the contact wrenches λ ∈ R^{6 c} and the torques τ ∈ R^n.
-        """
-        terms = self.model.evaluate(self.scratch, self.state.Eval(context))
-        loads = self.loads.Eval(context)
-        phase = context.get_abstract_state(self.phase).get_value()
-        phase = self.advance(phase, terms, loads)
-        phase, command = self.tasks(phase, terms, loads)
-        solution = self.qp.solve(terms, command, self.bounds)
-        state.get_mutable_abstract_state(self.phase).set_value(phase)
-        state.get_mutable_discrete_state(self.effort).set_value(solution.effort)
-
-    # ---- phases --------------------------------------------------------------
-
-    def advance(self, phase, terms, loads):
+    def next_phase(self, phase, terms, loads):
+        """Lift a foot by the clock; detect by its load that it has landed."""
         feet = tuple(FootPose(foot.p_WF, foot.R_WF) for foot in terms.feet)
-        if phase.plan is None:
-            cop = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        if phase.plan is None:  # the first tick
             steps = tutorial_steps(feet, self.step_time)
-            return self.stand(feet, steps, cop, FIRST_SHIFT)
-        cop = phase.plan.evaluate(phase.elapsed).cop
-        if phase.swing is not None:
-            late = phase.swing.progress > 0.75
-            if late and loads[phase.steps[0].foot] > TOUCHDOWN * self.weight:
-                shift = TRANSFER * self.step_time
-                return self.stand(feet, phase.steps[1:], cop, shift)
-        elif phase.steps and phase.is_over:
-            return self.lift_off(feet, phase.steps)
-        return replace(phase, elapsed=phase.elapsed + self.dt)
+            return self.double_support(feet, steps, terms.com[:2], STANDING)
+        phase = replace(phase, elapsed=phase.elapsed + self.dt)
+        if phase.swing is None:
+            lifts_off = phase.steps and phase.elapsed >= phase.duration
+            return self.single_support(feet, phase.steps) if lifts_off else phase
+        load = loads[phase.swing_foot]
+        if phase.swing.progress > 0.5 and load > TOUCHDOWN * self.weight:
+            cop = phase.plan.evaluate(phase.elapsed).cop
+            return self.double_support(feet, phase.steps[1:], cop)
+        swing, _ = advance_swing(phase.swing, phase.steps[0], PROFILE, self.dt)
+        return replace(phase, swing=swing)
 
-    @property
-    def swing_time(self):
-        return (1.0 - TRANSFER) * self.step_time
+    def double_support(self, feet, steps, cop, hold=0.0):
+        """Hold the CoP still, and then shift it to the next stance foot."""
+        plan = plan_dcm(cop, hold, feet, steps, self.omega)
+        duration = hold + transfer_time(steps[0]) if steps else SETTLING
+        return Phase(feet, steps, plan, duration)
 
-    def stand(self, feet, steps, cop, shift):
-        plan = plan_dcm(cop, shift, feet, steps, self.swing_time, self.omega)
-        return Phase(feet, steps, plan)
+    def single_support(self, feet, steps):
+        """Move one foot to its footstep, with the CoP below the other foot."""
+        (step, *later), landed = steps, list(feet)
+        landed[step.foot] = step.pose
+        cop, duration = feet[1 - step.foot].p_WF[:2], swing_time(step)
+        plan = plan_dcm(cop, duration, landed, later, self.omega)
+        swing = begin_swing(feet[step.foot], duration)
+        return Phase(feet, steps, plan, duration, swing=swing)
 
-    def lift_off(self, feet, steps):
-        foot = steps[0].foot
-        cop = feet[1 - foot].p_WF[:2]
-        plan = plan_dcm(cop, 0.0, feet, steps, self.swing_time, self.omega)
-        return Phase(feet, steps, plan, begin_swing(feet[foot], self.swing_time))
+    # ---- 4. Tasks ------------------------------------------------------------
 
-    # ---- 3. Tasks ------------------------------------------------------------
+    def tasks(self, phase, terms):
+        """List the desired accelerations, each with its weight in the QP's cost.
 
-    def tasks(self, phase, terms, loads):
-        weights = GAINS.weights
-        # Balance
-        reference = phase.plan.evaluate(phase.elapsed)
-        support = self.support(phase)
-        error = dcm(terms, self.omega) - reference.dcm
-        cop = support.clamp(reference.cop + (1.0 + GAINS.dcm_gain) * error)
-        floor = min(foot.p_WF[2] for foot in phase.feet)
-        gains = GAINS.com_height
-        a = np.empty(3)
-        a[:2] = self.omega**2 * (terms.com[:2] - cop)
-        a[2] = gains.kp * (floor + self.height - terms.com[2])
-        a[2] -= gains.kd * terms.com_velocity[2]
-        p_WE = np.array([*cop, terms.com[2] - GRAVITY / self.omega**2])
-        tasks = [
-            ComTask(a, np.array([weights.com, weights.com, weights.com_height])),
-            MomentTask(p_WE, np.full(2, weights.moment)),
+        Tasks follow references by PD laws: a_ref + kp (x_ref - x) + kd (v_ref - v).
+        """
+        return [
+            *self.balance_tasks(phase, terms),
+            *self.trunk_tasks(phase, terms),
+            *self.foot_tasks(phase, terms),
         ]
-        # Body
-        R = rotation_z(mean_yaw(phase.feet[0].yaw, phase.feet[1].yaw))
-        for frame, weight in (
-            (self.robot.file.pelvis, weights.pelvis_orientation),
-            (self.robot.file.chest, weights.chest_orientation),
-        ):
-            tasks.append(
-                OrientationTask.tracking(terms, frame, R, GAINS.orientation, weight)
+
+    def balance_tasks(self, phase, terms):
+        """Drive the DCM to its plan by the CoP, and the CoM to its height.
+
+        A CoP beyond the DCM pushes it back: ξ - ξ_ref shrinks as e^{-kωt}, as long as
+        the CoP stays within the feet. The CoM accelerates away from the CoP:
+
+            p = p_ref + (1 + k) (ξ - ξ_ref),    c̈ = ω² (c - p)
+
+        The contact forces shall do this without turning the body. Then their sum passes
+        through the CoM and through the point E that is g/ω² below the CoM and above p,
+        the enhanced centroidal moment pivot (eCMP), and their moment about E is zero.
+        """
+        reference, weights = phase.plan.evaluate(phase.elapsed), GAINS.weights
+        error = feedback.dcm(terms, self.omega) - reference.dcm
+        cop = feedback.feedback_cop(error, reference.cop, GAINS.dcm_gain)
+        cop = self.support(phase).clamp(cop)
+        a_xy = feedback.com_acceleration_for_cop(terms.com, cop, self.omega)
+        height = middle(phase.feet)[2] + self.height
+        a_z = feedback.height_acceleration(terms, height, 0.0, GAINS.com_height)
+        p_WE = np.append(cop, terms.com[2] - GRAVITY / self.omega**2)
+        com_weight = np.array([weights.com, weights.com, weights.com_height])
+        return [
+            wb.ComTask(np.append(a_xy, a_z), com_weight),
+            wb.MomentTask(p_WE, weights.moment),
+        ]
+
+    def trunk_tasks(self, phase, terms):
+        """Keep pelvis and chest upright, with the heading of the feet."""
+        R_WD = rotation_z(mean_yaw(*(foot.yaw for foot in phase.feet)))
+        robot, weights = self.robot.file, GAINS.weights
+        return [
+            wb.OrientationTask.tracking(terms, frame, R_WD, GAINS.orientation, weight)
+            for frame, weight in (
+                (robot.pelvis, weights.pelvis_orientation),
+                (robot.chest, weights.chest_orientation),
             )
-        # Feet
-        contacts = []
-        in_air = phase.steps[0].foot if phase.swing else None
-        for foot, sole in enumerate(self.soles):
-            if foot == in_air:
-                motion, r = advance_swing(phase.swing, phase.steps[0], PROFILE, self.dt)
-                phase = replace(phase, swing=motion)
-                tasks += [
-                    PositionTask.tracking(
-                        terms, sole, r.p_WF, GAINS.swing_position,
-                        weights.swing_foot_position, r.v_WF, r.a_WF,
-                    ),
-                    OrientationTask.tracking(
-                        terms, sole, r.R_WF, GAINS.swing_orientation,
-                        weights.swing_foot_orientation, r.w_WF, r.alpha_WF,
-                    ),
-                ]
-            else:
-                still = -GAINS.stance_foot_damping * terms.feet[foot].V_WF
-                tasks.append(FrameTask(sole, still, weights.stance_foot))
-                contacts.append(self.contact(phase, foot, loads[foot]))
-        if in_air is None:
-            f = weights.internal_contact_force
-            tasks.append(InternalContactTask(
-                tuple(self.soles), np.array([weights.internal_contact_moment, f, f])))
-        # Posture
-        g = GAINS.posture
-        posture = PostureTask(
-            g.kp * (self.robot.stand_prep - terms.q) - g.kd * terms.v,
-            self.posture_weight(in_air),
-        )
-        return phase, WholeBodyCommand(posture, tuple(tasks), tuple(contacts))
+        ]
 
-    def posture_weight(self, in_air):
-        limb = self.robot.limb
-        weight = np.full(self.robot.num_joints, GAINS.arm_posture_weight)
-        weight[limb("back")] = GAINS.back_posture_weight
-        weight[limb("l_leg", "r_leg")] = GAINS.leg_posture_weight
-        if in_air is not None:
-            weight[limb(("l_leg", "r_leg")[in_air])] = GAINS.swing_leg_posture_weight
-        return weight
+    def foot_tasks(self, phase, terms):
+        """Hold the stance feet still, A_WF = -kd V_WF, and guide the swing foot."""
+        weights, tasks = GAINS.weights, []
+        for foot in phase.stance_feet:
+            still = -GAINS.stance_foot_damping * terms.feet[foot].V_WF
+            tasks.append(wb.FrameTask(self.soles[foot], still, weights.stance_foot))
+        if phase.swing:
+            frame = self.soles[phase.swing_foot]
+            _, goal = advance_swing(phase.swing, phase.steps[0], PROFILE, dt=0.0)
+            gains, weight = GAINS.swing_position, weights.swing_foot_position
+            motion = goal.p_WF, gains, weight, goal.v_WF, goal.a_WF
+            tasks.append(wb.PositionTask.tracking(terms, frame, *motion))
+            gains, weight = GAINS.swing_orientation, weights.swing_foot_orientation
+            motion = goal.R_WF, gains, weight, goal.w_WF, goal.alpha_WF
+            tasks.append(wb.OrientationTask.tracking(terms, frame, *motion))
+        return tasks
 
-    def contact(self, phase, foot, load):
-        model = GAINS.contact
-        most = self.weight * model.unloaded_share + model.load_growth * max(load, 0.0)
-        if phase.plan is not None and phase.elapsed == 0.0 and len(phase.steps) == 4:
-            most = 3.0 * self.weight
-        if phase.steps and phase.swing is None and phase.steps[0].foot == foot:
-            left = 1.0 - phase.elapsed / phase.plan.segments[0].duration
-            most = min(most, self.weight * min(max(left / 0.4, 0.01), 1.0))
-        return Contact(self.soles[foot], self.patches.whole, most)
+    def posture(self, terms):
+        """Draw all joints to the upright pose: q̈ = kp (q_up - q) - kd q̇.
+
+        Its small weights decide every motion that the tasks leave free.
+        """
+        robot, gains = self.robot, GAINS.posture
+        weight = np.full(robot.num_joints, GAINS.arm_posture_weight)
+        weight[robot.limb("back")] = GAINS.back_posture_weight
+        weight[robot.limb("l_leg", "r_leg")] = GAINS.leg_posture_weight
+        target = gains.kp * (robot.stand_prep - terms.q) - gains.kd * terms.v
+        return wb.PostureTask(target, weight)
+
+    def contacts(self, phase):
+        """List the soles on which the ground can push."""
+        most = GAINS.contact.full_load * self.weight
+        return [
+            wb.Contact(self.soles[foot], self.patch, most) for foot in phase.stance_feet
+        ]
 
     def support(self, phase):
-        sole, model = self.robot.file.sole, GAINS.contact
-        corners = []
-        for foot, pose in enumerate(phase.feet):
-            if phase.swing is None or foot != phase.steps[0].foot:
-                corners += [*sole_corners(
-                    pose.p_WF, pose.R_WF,
-                    sole.length / 2 - model.length_margin,
-                    sole.width / 2 - model.width_margin)]
-        return SupportPolygon(corners)
+        """Return the convex hull of the soles on the ground, less a margin."""
+        return SupportPolygon(
+            corner
+            for pose in (phase.feet[foot] for foot in phase.stance_feet)
+            for corner in pose.p_WF + self.patch.corners @ pose.R_WF[:, :2].T
+        )
+
+    # ---- 5. QP -> torque -----------------------------------------------------
+
+    def tick(self, context, state):
+        """Go through all stages; called at each control tick, every 9 ms.
+
+        The QP finds the accelerations v̇ ∈ R^{6 + n} of the pelvis and the n joints, the
+        wrenches λ ∈ R^{6 c} of the c contacts, and the torques τ ∈ R^n:
+
+            min   Σ ½ ‖A v̇ + b + G λ - target‖²_weight    tasks, posture, small λ
+            s.t.  M v̇ + h = Sᵀ τ + Jᵀ λ                    dynamics, 6 + n rows
+                  C λ ≤ 0,  0 ≤ λ_z ≤ λ_max               friction, CoP within the soles
+                  |τ| ≤ τ_max                             motors
+                  q̈_min ≤ q̈ ≤ q̈_max                       joint limits, soft
+        """
+        terms = self.model.evaluate(self.scratch, self.state.Eval(context))
+        before = context.get_abstract_state(self.phase).get_value()
+        phase = self.next_phase(before, terms, self.loads.Eval(context))
+        command = wb.WholeBodyCommand(
+            self.posture(terms),
+            tuple(self.tasks(phase, terms)),
+            tuple(self.contacts(phase)),
+        )
+        limit = self.robot.effort_limit
+        nobody = np.zeros(len(limit), dtype=bool)  # No joint is the user's.
+        solution = self.qp.solve(terms, command, wb.EffortBounds(-limit, limit, nobody))
+        state.get_mutable_abstract_state(self.phase).set_value(phase)
+        state.get_mutable_discrete_state(self.torque).set_value(solution.effort)
 
     def report(self, context, output):
-        """Tell views and logs the plan."""
-        phase = context.get_abstract_state(self.phase).get_value()
-        if phase.plan is None:
-            return
-        now = phase.plan.evaluate(phase.elapsed)
-        plan = Plan(
-            support=self.support(phase).vertices,
-            omega=self.omega,
-            dcm_reference=now.dcm,
-            cop_reference=now.cop,
-            footsteps=phase.steps,
-        )
+        """Show views and logs the plan; the walk itself does not need it."""
+        phase, plan = context.get_abstract_state(self.phase).get_value(), Plan()
+        if phase.plan is not None:
+            reference = phase.plan.evaluate(phase.elapsed)
+            plan = Plan(
+                support=self.support(phase).vertices,
+                omega=self.omega,
+                dcm_reference=reference.dcm,
+                cop_reference=reference.cop,
+                footsteps=phase.steps,
+            )
         output.set_value(ControllerStatus(plan=plan))
 
 
+controller = Walker  # what --with takes from this file
+
+
 def main():
-    """Walks, and says where the robot arrived."""
+    """Walk, and say where the robot arrived."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--headless", action="store_true", help="no 3D view")
     parser.add_argument("--step-time", type=float, default=STEP_TIME, help="[s]")
-    parser.add_argument("--push", type=float, default=0.0, help="to the left [N s]")
-    parser.add_argument("--log", help="file .mcap")
+    parser.add_argument("--push", nargs=2, type=float, metavar=("AHEAD", "LEFT"))
+    parser.add_argument("--log", help="FILE.mcap, for atlas-drake plot and replay")
     options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
-    sim = AtlasSimulation(
-        controller=partial(Walker, step_time=options.step_time),
-        view=not options.headless, log=options.log, on_event=print,
-    )
-    sim.advance(7.0)
-    sim.close()
-    for name in ("l_sole", "r_sole", "pelvis"):
-        print(name, sim.frame_pose(name).translation())
-    print("Atlas fell." if sim.has_fallen else "Atlas stands")
+
+    walker = partial(Walker, step_time=options.step_time)
+    with AtlasSimulation(
+        controller=walker, view=not options.headless, log=options.log
+    ) as sim:
+        sim.advance(STANDING + 1.5 * options.step_time)
+        if options.push:  # [N·s], while the second foot is in the air
+            sim.apply_push("utorso", 10.0 * np.array([*options.push, 0.0]), 0.1)
+        sim.advance(2.5 * options.step_time + SETTLING + 2.0)
+
+    for foot in sim.robot.file.feet:
+        x, y, _ = sim.frame_pose(foot.sole_frame).translation()
+        print(f"{foot.sole_frame} is at x {x:.3f} m, y {y:+.3f} m.")
+    print("Atlas fell." if sim.has_fallen else "Atlas stands.")
     sys.exit(sim.has_fallen)
 
 
