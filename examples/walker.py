@@ -44,6 +44,7 @@ from atlas_drake.control.feet.swing_foot import (
     begin_swing,
 )
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.footstep import FootPose
@@ -55,6 +56,7 @@ SWING_HEIGHT = 0.3  # of the soles [m]
 DOUBLE_SUPPORT = 0.25  # share of the step time with both feet down [-]
 STANDING, SETTLING = 1.0, 0.8  # before the first step, and after the last one [s]
 COM_DROP = 0.02  # below the upright pose: straight knees could not reach ahead [m]
+FALLEN = 0.8  # height of the CoM of a robot that falls, relative to walking [-]
 TOUCHDOWN = 0.03  # load on a foot that has landed, in weights of the robot [-]
 GAINS, PROFILE = ControlGains(), SwingProfile()  # Their files give the reasons.
 
@@ -323,6 +325,11 @@ class Walker(LeafSystem):
                   q̈_min ≤ q̈ ≤ q̈_max                       joint limits, soft
         """
         terms = self.model.evaluate(self.scratch, self.state.Eval(context))
+        torque = state.get_mutable_discrete_state(self.torque)
+        limit = self.robot.effort_limit
+        if terms.com[2] < FALLEN * self.height:
+            torque.set_value(damping_effort(terms.v, limit, self.dt))
+            return
         before = context.get_abstract_state(self.phase).get_value()
         phase = self.next_phase(before, terms, self.loads.Eval(context))
         command = wb.WholeBodyCommand(
@@ -330,11 +337,10 @@ class Walker(LeafSystem):
             tuple(self.tasks(phase, terms)),
             tuple(self.contacts(phase)),
         )
-        limit = self.robot.effort_limit
         nobody = np.zeros(len(limit), dtype=bool)  # No joint is the user's.
-        solution = self.qp.solve(terms, command, wb.EffortBounds(-limit, limit, nobody))
+        bounds = wb.EffortBounds(-limit, limit, nobody)
+        torque.set_value(self.qp.solve(terms, command, bounds).effort)
         state.get_mutable_abstract_state(self.phase).set_value(phase)
-        state.get_mutable_discrete_state(self.torque).set_value(solution.effort)
 
     def report(self, context, output):
         """Show views and logs the plan; the walk itself does not need it."""
