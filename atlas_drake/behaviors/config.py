@@ -101,7 +101,7 @@ class ControllerConfig(Configuration):
                 raise ScenarioError(f"controller.{name}", value, problem)
         given = {name: value for name, value in values.items() if name in base}
         made: ControllerConfig = checked(
-            kind, given, "controller", base=base, from_text=True
+            kind, given, "controller", base=base
         )
         return made
 

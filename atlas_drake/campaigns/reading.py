@@ -135,7 +135,7 @@ def campaign_from(
             str((folder / name).absolute()) if isinstance(name, str) else name
             for name in fields["code"]
         ]
-    campaign: Campaign = checked(Campaign, fields, base=base, from_text=True)
+    campaign: Campaign = checked(Campaign, fields, base=base)
     return campaign
 
 

@@ -173,7 +173,7 @@ def _parsed(text: str) -> RobotFile:
         raise RobotDescriptionError(
             "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
         )
-    file: RobotFile = checked(RobotFile, raw, from_text=True)
+    file: RobotFile = checked(RobotFile, raw)
     pushed = list(dict.fromkeys([file.pelvis, file.chest, *file.hands]))
     return replace(
         file,

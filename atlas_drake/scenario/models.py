@@ -14,14 +14,14 @@ from typing import Annotated, Any
 from annotated_types import Len
 from pydantic_core import core_schema
 from pydrake.common.schema import Transform
-from pydrake.common.yaml import yaml_dump, yaml_load_typed
+from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load_typed
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
-from atlas_drake.config import Configuration, joined
+from atlas_drake.config import Configuration, as_plain, joined, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
@@ -33,6 +33,11 @@ class Pose:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Describes to pydantic how a pose is read; its rotation has several forms."""
         return core_schema.no_info_plain_validator_function(_pose)
+
+
+@as_plain.register
+def _(pose: Transform) -> Any:
+    return read_yaml(yaml_dump_typed(pose))
 
 
 def _pose(value: Any) -> Transform:

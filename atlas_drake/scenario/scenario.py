@@ -481,7 +481,7 @@ def scenario_from(
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    made: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    made: Scenario = checked(Scenario, fields, base=base)
     return made
 
 

@@ -109,4 +109,4 @@ def _take_params(
     entry = catalog.entry(catalog.find(message.behavior))
     reads_params = entry.params is not None and entry.params_field == "params"
     if reads_params and isinstance(message.params, Mapping):
-        message.params = checked(entry.params, message.params, path, from_text=True)
+        message.params = checked(entry.params, message.params, path)

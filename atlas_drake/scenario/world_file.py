@@ -171,7 +171,7 @@ def world_from(given: Any, present: World | None = None) -> World:
             raise ScenarioError("world.name", name, f"is {shown(name)}; must be a word")
         base = load_world(name)
         given = {**given, "name": base.name}
-    world: World = checked(World, given, "world", base=base, from_text=True)
+    world: World = checked(World, given, "world", base=base)
     return world
 
 
@@ -192,5 +192,5 @@ def _load(path: Path, name: str) -> World:
         )
     if "models" in raw:
         raw = {**raw, "models": models_beside(raw["models"], path.parent)}
-    world: World = checked(World, {**raw, "name": name}, "world", from_text=True)
+    world: World = checked(World, {**raw, "name": name}, "world")
     return world
