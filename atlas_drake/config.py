@@ -361,7 +361,7 @@ def _fields(kind: Hashable) -> dict[str, Any]:
 def _unit(owner: Any, field: str) -> str:
     """Returns the unit in the text of a field, such as ``m``; empty for none."""
     for cls in inspect.getmro(owner) if inspect.isclass(owner) else ():
-        if field in cls.__dict__.get("__annotations__", {}):
+        if field in inspect.get_annotations(cls):
             units = _UNIT.findall(trailing_strings(cls).get(field, ""))
             return "" if units[-1:] in ([], ["-"]) else units[-1]
     return ""
@@ -389,7 +389,9 @@ class _Loader(yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent):
             if not hasattr(node, "size"):
                 problem = f"the alias *{event.anchor} stands within what it names"
-                raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+                raise yaml.MarkedYAMLError(
+                    problem=problem, problem_mark=event.start_mark
+                )
             return node
         parts = node.value if isinstance(node.value, list) else []
         if isinstance(node, yaml.MappingNode):
@@ -456,16 +458,28 @@ def read_yaml(text: str) -> Any:
     return found
 
 
-def read_fields(path: str | Path, example: str) -> dict[str, Any]:
-    """Reads a YAML file of a mapping; ``example`` shows one of its fields.
+def read_file(path: str | Path) -> str:
+    """Reads a text file.
 
     Raises:
-        ScenarioError: If there is none in the file.
+        ScenarioError: If there is no text.
     """
     try:
-        raw = read_yaml(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ScenarioError("file", str(path), f"cannot be read: {error}") from error
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError("file", str(path), f"cannot be read: {error}") from None
+
+
+def read_fields(text: str, example: str) -> dict[str, Any]:
+    """Reads a YAML text of a mapping; ``example`` shows one of its fields.
+
+    Raises:
+        ScenarioError: If it is no mapping.
+    """
+    try:
+        raw = read_yaml(text)
+    except ValueError as error:
+        raise ScenarioError("file", text, f"cannot be read: {error}") from None
     if not isinstance(raw, dict):
         raise ScenarioError("file", raw, f"must have fields, such as {example}")
     return raw

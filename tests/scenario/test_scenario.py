@@ -23,8 +23,7 @@ from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.messages import Behavior
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
-from atlas_drake.scenario.drake_configs import plant_config
-from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.physics import on_common_grid, plant_config
 from atlas_drake.scenario.world_file import load_world
 
 RATES = "controller.manipulate.rates"
