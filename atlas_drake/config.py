@@ -16,7 +16,7 @@ import re
 import textwrap
 import types
 import typing
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from types import ModuleType
@@ -25,7 +25,13 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard
 import numpy as np
 import yaml
 from annotated_types import Ge, Gt, Interval, Len
-from pydantic import AfterValidator, Strict, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    GetPydanticSchema,
+    Strict,
+    TypeAdapter,
+    ValidationError,
+)
 from pydantic_core import core_schema
 
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
@@ -63,10 +69,8 @@ def plain_number(value: object) -> object:
 
     A number beyond the range of a float is not changed, for a check to refuse.
     """
-    if isinstance(value, np.float64):
-        return float(value)  # A subclass of float.
-    if isinstance(value, np.bool_):
-        return bool(value)
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, (float, int)) or not is_number(value):
         return value
     if isinstance(value, Integral):
@@ -196,22 +200,9 @@ class OfDrake:
         )
 
 
-@dataclasses.dataclass(frozen=True)
-class As:
+def read_as(kind: Any) -> GetPydanticSchema:
     """Annotation of a field that is read as another type than it is given."""
-
-    kind: Any
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Describes the other type to pydantic."""
-        return handler.generate_schema(self.kind)
-
-
-class _Mapping:
-    """Annotation of a user's own dataclass, to be read as a ``Configuration`` is."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return _take_yaml(handler(source), handler)
+    return GetPydanticSchema(lambda _, handler: handler.generate_schema(kind))
 
 
 def declared(kind: Any) -> Any:
@@ -220,7 +211,8 @@ def declared(kind: Any) -> Any:
     if not is_class or issubclass(kind, Configuration):
         return kind
     kind.__pydantic_config__ = Configuration.__pydantic_config__
-    return Annotated[kind, _Mapping()]
+    mapping = GetPydanticSchema(lambda own, handler: _take_yaml(handler(own), handler))
+    return Annotated[kind, mapping]
 
 
 LARGEST = 1e6
@@ -290,7 +282,8 @@ def as_plain(value: Any) -> Any:
         return [as_plain(element) for element in value]
     if isinstance(value, Mapping):
         return {name: as_plain(item) for name, item in value.items()}
-    if fields := _fields(type(value)):
+    kind: Any = type(value)
+    if fields := _fields(kind):
         return {name: as_plain(getattr(value, name)) for name in fields}
     return plain_number(value)
 
@@ -350,7 +343,7 @@ def _structure(kind: Any) -> Any:
 
 
 @functools.cache
-def _fields(kind: Hashable) -> dict[str, Any]:
+def _fields(kind: Any) -> dict[str, Any]:
     """Returns the fields' types by name; empty if the type has no fields."""
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         hints = typing.get_type_hints(kind, include_extras=True)

@@ -64,7 +64,7 @@ def find_data_file(
     path = Path(given).expanduser().absolute()
     if path.suffix in _ENDINGS and path.is_file():
         return path
-    what = f"file {path}" if path.suffix in _ENDINGS else shown(str(given))
+    what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
     hint = did_you_mean(str(given), names)
     raise error(
         kind,

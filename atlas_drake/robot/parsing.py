@@ -149,9 +149,10 @@ def _check_numbers(urdf: Path) -> None:
                 ends = (limit.get(name, 0.0) for name in ("lower", "upper"))
                 lower, upper = map(float, ends)
                 if lower > upper or float(limit.get("velocity", 0.0)) < 0.0:
+                    given = ", ".join(f"{k} {v}" for k, v in limit.items())
                     raise RuntimeError(
-                        f"joint {joint.get('name')} has the limits {limit.attrib}; "
-                        "lower must not exceed upper, nor velocity be below 0"
+                        f"joint {joint.get('name')} has the limits {given}; lower must "
+                        "not exceed upper, nor velocity be below 0"
                     )
     except (ElementTree.ParseError, ValueError):
         return  # In Drake's words.

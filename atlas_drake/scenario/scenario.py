@@ -16,7 +16,6 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.config import (
-    As,
     CheckedOnce,
     Configuration,
     NotNegative,
@@ -24,6 +23,7 @@ from atlas_drake.config import (
     Positive,
     as_plain,
     checked,
+    read_as,
 )
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
@@ -172,9 +172,9 @@ class Scenario(CheckedOnce):
     )
     """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
     adds, and the real-time rate. ``start_time`` is 0."""
-    controller: Annotated[ControllerConfig | Mapping[str, Any], As(dict[str, Any])] = (
-        field(default_factory=dict)
-    )
+    controller: Annotated[
+        ControllerConfig | Mapping[str, Any], read_as(dict[str, Any])
+    ] = field(default_factory=dict)
     """Gains, weights, limits and timings of the controller, such as
     ``gains: {dcm_gain: 2.5}``, those of behaviors of your own included. What is left
     out has the value of the robot's file, or else the default; a ``ControllerConfig``
@@ -185,7 +185,7 @@ class Scenario(CheckedOnce):
     """Friction coefficient of the ground [-]."""
     friction_jitter: NotNegative = 0.0
     """Half width of a uniform random variation of ``ground_friction`` [-]."""
-    world: Annotated[World | str | Mapping[str, Any], As(World)] = field(
+    world: Annotated[World | str | Mapping[str, Any], read_as(World)] = field(
         default_factory=World
     )
     """World around the robot, and start of the robot: a name from ``models/worlds``,
@@ -203,7 +203,7 @@ class Scenario(CheckedOnce):
     """Pushes on the robot, each at a time or at a phase of its gait."""
     noise: Annotated[
         NoiseModel | NoiseName,
-        As(NoiseModel),
+        read_as(NoiseModel),
         BeforeValidator(noise_model, json_schema_input_type=NoiseModel | NoiseName),
     ] = field(default_factory=NoiseModel)
     """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
@@ -335,7 +335,7 @@ class Scenario(CheckedOnce):
         return [*self.surroundings().models, *self.models]
 
     def start_pose(self, start: Start | None = None) -> tuple[list[float], float]:
-        """Returns x and y of the pelvis [m], and yaw [rad], in a start or the world's."""
+        """Returns x and y of the pelvis [m], and yaw [rad], of a start or the world."""
         start, world = start or self.start, self.surroundings().start
         return (
             world.position if start.position is None else start.position,

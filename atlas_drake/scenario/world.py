@@ -31,8 +31,8 @@ def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
     Raises:
         WorldError: If it is not a list of callables.
     """
-    makers = tuple(world) if isinstance(world, Iterable) else (world,)
-    if makers == (world,) or not all(map(callable, makers)):
+    makers = tuple(world) if isinstance(world, Iterable) else ()
+    if not (isinstance(world, Iterable) and all(map(callable, makers))):
         wanted = "a list of callables (plant) -> None"
         raise WorldError(f"world must be {wanted}, is {shown(world)}")
     return makers
