@@ -48,8 +48,8 @@ def find_urdf(folder: Path, urdf: str) -> Path:
     """
     path = folder / urdf
     if "://" in urdf:
-        packages = PackageMap()
         try:
+            packages = PackageMap()
             _add_packages(packages, path)
             path = Path(packages.ResolveUrl(urdf))
         except RuntimeError as error:
