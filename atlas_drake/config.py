@@ -7,6 +7,7 @@ in its annotation, its text and its unit in the string below it.
 from __future__ import annotations
 
 import ast
+import contextlib
 import dataclasses
 import functools
 import inspect
@@ -219,7 +220,7 @@ LARGEST = 1e6
 """Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
 from the origin, positions are still exact to a nanometre."""
 _UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
-_UNIT = re.compile(r"\[([^\[\]]+)\]")
+_UNIT = re.compile(r"\[([^\[\],]+)\]")
 
 
 def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
@@ -328,7 +329,7 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
             return ScenarioError(below, cause.value, cause.problem)
         return ScenarioError(where, value, str(cause))
     said = fault["msg"].replace("Input should be", "must be")
-    unit = f" {unit}" if unit and is_number(value) else ""
+    unit = unit if is_number(value) else ""
     return ScenarioError(where or "file", value, f"is {shown(value)}{unit}; {said}")
 
 
@@ -354,9 +355,10 @@ def _fields(kind: Any) -> dict[str, Any]:
 def _unit(owner: Any, field: str) -> str:
     """Returns the unit in the text of a field, such as ``m``; empty for none."""
     for cls in inspect.getmro(owner) if inspect.isclass(owner) else ():
-        if field in inspect.get_annotations(cls):
+        with contextlib.suppress(OSError, TypeError):  # A class without source.
             units = _UNIT.findall(trailing_strings(cls).get(field, ""))
-            return "" if units[-1:] in ([], ["-"]) else units[-1]
+            if units:
+                return f" {units[-1]}" if units[-1] != "-" else ""
     return ""
 
 

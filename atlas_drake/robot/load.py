@@ -7,7 +7,7 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.config import checked, read_fields, read_file
 from atlas_drake.errors import (
+    AtlasError,
     RobotDescriptionError,
     ScenarioError,
     did_you_mean,
@@ -52,12 +53,12 @@ def find_data_file(
     folder: Path,
     names: Sequence[str],
     kind: str,
-    error: type[RobotDescriptionError] | type[ScenarioError],
+    fault: Callable[[str], AtlasError],
 ) -> Path:
     """Returns the YAML file of a name in a folder, or of a path, absolute.
 
     Raises:
-        AtlasError: Of type ``error``, about the field ``kind``, if there is none.
+        AtlasError: Made by ``fault`` of the problem, if there is none.
     """
     if str(given) in names:
         return folder / f"{given}.yaml"
@@ -66,9 +67,7 @@ def find_data_file(
         return path
     what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
     hint = did_you_mean(str(given), names)
-    raise error(
-        kind,
-        str(given),
+    raise fault(
         f"there is no {what};{hint} must be one of {', '.join(names)}, or the path of "
         f"a file ({' or '.join('*' + ending for ending in _ENDINGS)})",
     )
@@ -91,8 +90,8 @@ def find_robot(model: str | Path) -> Path:
     Raises:
         RobotDescriptionError: If there is no such robot.
     """
-    names = available_robots()
-    return find_data_file(model, MODELS_FOLDER, names, "model", RobotDescriptionError)
+    fault = functools.partial(RobotDescriptionError, "model", str(model))
+    return find_data_file(model, MODELS_FOLDER, available_robots(), "robot", fault)
 
 
 def model_beside(model: str, folder: Path) -> str:

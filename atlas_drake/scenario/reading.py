@@ -153,6 +153,6 @@ def _put(fields: dict[str, Any], path: str, value: Any, base: Any) -> None:
 
 def _element(items: list[Any], place: int, path: str) -> Any:
     if place >= len(items):
-        problem = f"there is no [{place}]: the list has {len(items)} elements"
+        problem = f"there is no [{place}] of {len(items)} elements; give the whole list"
         raise ScenarioError(path, place, problem)
     return items[place]

@@ -101,7 +101,14 @@ class Start(Configuration):
             )
 
     def check_behavior(self, behavior: Behavior) -> None:
-        """Checks that the robot can begin so with a behavior."""
+        """Checks that the robot can begin so.
+
+        Args:
+            behavior: The behavior that is active at the start.
+
+        Raises:
+            ScenarioError: If it cannot.
+        """
         if self.harnessed and behavior not in IN_THE_AIR:
             raise ScenarioError(
                 "initial_behavior",
@@ -335,7 +342,11 @@ class Scenario(CheckedOnce):
         return [*self.surroundings().models, *self.models]
 
     def start_pose(self, start: Start | None = None) -> tuple[list[float], float]:
-        """Returns x and y of the pelvis [m], and yaw [rad], of a start or the world."""
+        """Returns x and y of the pelvis [m], and yaw [rad], where the robot begins.
+
+        Args:
+            start: Has what it does not say from the world; None is the scenario's.
+        """
         start, world = start or self.start, self.surroundings().start
         return (
             world.position if start.position is None else start.position,

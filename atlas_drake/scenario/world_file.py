@@ -6,6 +6,7 @@ path. What callables add to a plant is in ``world``.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -126,7 +127,8 @@ def load_world(name: str | Path = DEFAULT_WORLD) -> World:
         ScenarioError: If there is no such world, or its file is faulty.
     """
     names = available_worlds()
-    path = find_data_file(name, WORLDS_FOLDER, names, "world", ScenarioError)
+    fault = functools.partial(ScenarioError, "world", str(name))
+    path = find_data_file(name, WORLDS_FOLDER, names, "world", fault)
     try:
         raw = read_fields(read_file(path), "boxes: []")
         if "name" in raw:

@@ -244,7 +244,7 @@ simulator: {accuracy: 1e-3}
             "controller.manipulate.rates.turn",
             "does not stop",
         ),
-        ("pushes[0].impulse=3", "pushes[0].impulse", "0 elements"),
+        ("pushes[0].impulse=3", "pushes[0].impulse", "whole list"),
         ("control_period=0.0007", "control_period", "whole multiple"),
         ("seed", "--set", "KEY.PATH=VALUE"),
         ("=3", "--set", "KEY.PATH=VALUE"),
