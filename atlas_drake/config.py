@@ -278,7 +278,7 @@ def _overlaid(base: Any, given: Any) -> Any:
 def as_plain(value: Any) -> Any:
     """Converts the value to mappings, lists and plain values, as in YAML."""
     if isinstance(value, np.ndarray):
-        return value.tolist()
+        return as_plain(value.tolist())
     if isinstance(value, list | tuple):
         return [as_plain(element) for element in value]
     if isinstance(value, Mapping):

@@ -37,35 +37,20 @@ def test_the_default_robot_comes_first():
     assert load_robot().name == DEFAULT_ROBOT
 
 
-def test_arrays_have_one_element_per_joint(robot):
-    n = robot.num_joints
-    assert n == len(robot.joint_names) == len(set(robot.joint_names))
-    for name in (
-        "position_lower",
-        "position_upper",
-        "velocity_limit",
-        "effort_limit",
-        "stand_prep",
-        "default_kp",
-        "default_kd",
-    ):
-        values = getattr(robot, name)
-        assert values.shape == (n,)
-        assert np.isfinite(values).all()
-
-
 def test_limits_are_the_plants_joint_by_joint(robot, plant):
+    actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+    efforts = {one.joint().name(): one.effort_limit() for one in actuators}
+    assert sorted(robot.joint_names) == sorted(efforts)
     for index, name in enumerate(robot.joint_names):
         joint = plant.GetJointByName(name)
-        assert robot.position_lower[index] == joint.position_lower_limits()[0]
-        assert robot.position_upper[index] == joint.position_upper_limits()[0]
-        assert robot.velocity_limit[index] == joint.velocity_upper_limits()[0]
-        actuator = next(
-            plant.get_joint_actuator(i)
-            for i in plant.GetJointActuatorIndices()
-            if plant.get_joint_actuator(i).joint().name() == name
-        )
-        assert robot.effort_limit[index] == actuator.effort_limit()
+        assert robot.position_lower[index] == joint.position_lower_limit()
+        assert robot.position_upper[index] == joint.position_upper_limit()
+        assert robot.velocity_limit[index] == joint.velocity_upper_limit()
+        assert robot.effort_limit[index] == efforts[name]
+        entry = robot.file.joints[index]
+        assert robot.stand_prep[index] == entry.stand_prep
+        assert robot.default_kp[index] == entry.kp
+        assert robot.default_kd[index] == entry.kd
 
 
 def test_actuation_of_one_joint_at_a_time(robot, plant):
@@ -110,34 +95,12 @@ def test_indices_count_in_any_plant(robot):
     np.testing.assert_array_equal(indices.generalized[:6], np.arange(base, base + 6))
 
 
-def test_names_and_aliases_find_their_joint(robot):
-    for index, joint in enumerate(robot.file.joints):
-        assert robot.joint_index(joint.name) == index
-        if joint.alias:
-            assert robot.joint_index(joint.alias) == index
-
-
-def test_names_of_the_first_version_and_the_third(robot):
-    for alias, name in (
-        ("back_lbz", "back_bkz"),
-        ("neck_ay", "neck_ry"),
-        ("l_leg_uhz", "l_leg_hpz"),
-        ("r_leg_lax", "r_leg_akx"),
-        ("l_arm_uwy", "l_arm_wry"),
-        ("r_arm_mwx", "r_arm_wrx"),
-    ):
-        index = robot.joint_index(name)
-        assert robot.joint_index(alias) == index
-        assert {alias, name} >= {robot.joint_names[index]}
-        assert getattr(robot.joints, alias) == getattr(robot.joints, name) == index
-
-
-def test_the_joints_of_a_robot_are_constants(robot):
+def test_joints_are_found_by_name_and_by_alias(robot):
     joints = robot.joints
-    assert [getattr(joints, name) for name in robot.joint_names] == list(
-        range(robot.num_joints)
-    )
-    assert set(robot.joint_names) <= set(dir(joints))
+    for index, joint in enumerate(robot.file.joints):
+        for name in filter(None, (joint.name, joint.alias)):
+            assert robot.joint_index(name) == getattr(joints, name) == index
+            assert name in dir(joints)
     assert copy.deepcopy(joints).l_leg_kny == joints.l_leg_kny
     with pytest.raises(AttributeError, match="l_leg_kn"):
         _ = joints.l_leg_kn

@@ -112,14 +112,8 @@ def check_limits(file: RobotFile, limits: Mapping[str, Sequence[float]]) -> None
 def check_stand_prep(plant: Any, instance: Any, context: Any, file: RobotFile) -> float:
     """Checks that the robot can stand on both feet in its stand-prep pose.
 
-    Args:
-        plant: Plant of the robot alone, with a scene graph.
-        instance: The robot in the plant.
-        context: Context of the plant, part of its diagram's; gets the pose.
-        file: File of the robot.
-
-    Returns:
-        Height of the center of mass above the soles in this pose [m].
+    The context, part of that of a diagram with scene graph, gets the pose. Returns the
+    height of the center of mass above the soles [m].
     """
     for joint in file.joints:
         plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)

@@ -55,11 +55,7 @@ def find_data_file(
     kind: str,
     fault: Callable[[str], AtlasError],
 ) -> Path:
-    """Returns the YAML file of a name in a folder, or of a path, absolute.
-
-    Raises:
-        AtlasError: Made by ``fault`` of the problem, if there is none.
-    """
+    """Returns the YAML file of a name in a folder, or of a path; raises a ``fault``."""
     if str(given) in names:
         return folder / f"{given}.yaml"
     path = Path(given).expanduser().absolute()
@@ -81,15 +77,7 @@ def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:
 
 
 def find_robot(model: str | Path) -> Path:
-    """Returns the YAML file of a robot, absolute.
-
-    Args:
-        model: A name from ``available_robots``, or the path of a YAML file, relative
-            to the working folder.
-
-    Raises:
-        RobotDescriptionError: If there is no such robot.
-    """
+    """Returns the YAML file of a robot, absolute."""
     fault = functools.partial(RobotDescriptionError, "model", str(model))
     return find_data_file(model, MODELS_FOLDER, available_robots(), "robot", fault)
 
@@ -103,7 +91,8 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
     """Reads one robot.
 
     Args:
-        model: As for ``find_robot``.
+        model: A name from ``available_robots``, or the path of a YAML file, relative
+            to the working folder.
 
     Raises:
         RobotDescriptionError: If there is no such robot, its description or its URDF is
@@ -179,14 +168,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
 
 
 def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
-    """Reads a robot's YAML file, and not its URDF.
-
-    Args:
-        model: As for ``find_robot``.
-
-    Raises:
-        RobotDescriptionError: If there is no such robot, or the file is faulty.
-    """
+    """Reads a robot's YAML file, and not its URDF."""
     path = find_robot(model)
     with _naming(path):
         return _parsed(read_file(path))

@@ -41,11 +41,7 @@ _passed: set[str] = set()
 
 
 def find_urdf(folder: Path, urdf: str) -> Path:
-    """Returns a robot's URDF file, named by its path from ``folder`` or by its package.
-
-    Raises:
-        RobotDescriptionError: If there is no such file, or no copy of Drake's models.
-    """
+    """Returns a robot's URDF file, named by its path from ``folder`` or by package."""
     path = folder / urdf
     if "://" in urdf:
         try:
@@ -80,11 +76,7 @@ def _local_models() -> Path | None:
 
 
 def _add_packages(packages: PackageMap, file: Path | None) -> None:
-    """Adds a local copy of Drake's models, the package above a file, and ROS' packages.
-
-    Raises:
-        RuntimeError: If a ``package.xml`` is faulty.
-    """
+    """Adds a local copy of Drake's models, the package above a file, and ROS' ones."""
     local = _local_models()
     if local is not None and local.is_dir():
         packages.Remove(_MODELS)
@@ -98,14 +90,9 @@ def _add_packages(packages: PackageMap, file: Path | None) -> None:
 
 
 def parse(plant: MultibodyPlant, file: str | Path) -> list[ModelInstanceIndex]:
-    """Adds the models of a file to a plant that is not finalized yet.
+    """Adds the models of a path or a ``package://`` URL to a plant before Finalize.
 
-    Args:
-        plant: Plant to add to.
-        file: Path of the file, or a URL such as ``package://drake_models/...``.
-
-    Returns:
-        The models; those whose name is taken got another one.
+    Models whose name is taken get another one.
 
     Raises:
         RuntimeError: In one line, if the file or a mesh is missing or faulty.
@@ -130,11 +117,7 @@ def parse(plant: MultibodyPlant, file: str | Path) -> list[ModelInstanceIndex]:
 
 
 def _check_numbers(urdf: Path) -> None:
-    """Checks what Drake reports without the link or the joint.
-
-    Raises:
-        RuntimeError: Naming the first link or joint with such a number.
-    """
+    """Checks numbers that Drake refuses without naming the link or the joint."""
     try:
         root = ElementTree.parse(urdf)
         for link in root.iter("link"):

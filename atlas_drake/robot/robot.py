@@ -41,20 +41,18 @@ class PlantIndices:
 
     The robot's own vectors belong to its model instance: they are the same for a plant
     with other models and for a plant with the robot alone.
-
-    Attributes:
-        q: Index of each joint into the robot's positions, shape (n,).
-        v: Index of each joint into the robot's velocities, shape (n,).
-        actuation: Index of each joint into the robot's actuation, shape (n,).
-        generalized: The six base velocities, then ``v``: shape (6 + n,).
-        pelvis: The free pelvis, in the robot's state [q; v].
     """
 
     q: np.ndarray
+    """Into the robot's positions, shape (n,)."""
     v: np.ndarray
+    """Into the robot's velocities, shape (n,)."""
     actuation: np.ndarray
+    """Into the robot's actuation, shape (n,)."""
     generalized: np.ndarray
+    """The six base velocities, then ``v``: shape (6 + n,)."""
     pelvis: PelvisParts
+    """The free pelvis, in the robot's state [q; v]."""
 
 
 class JointConstants:
@@ -156,11 +154,7 @@ class Robot:
         return JointConstants(self.file.joints)
 
     def joint_index(self, name: str) -> int:
-        """Returns the index of a joint in the messages' arrays, by name or by alias.
-
-        Raises:
-            RobotDescriptionError: If the robot has no such joint.
-        """
+        """Returns the index of a joint in the messages' arrays, by name or by alias."""
         index: int | None = vars(self.joints).get(name)
         if index is None:
             known = ", ".join(self.joint_names)
@@ -169,11 +163,7 @@ class Robot:
         return index
 
     def contact(self, name: str) -> ContactEntry:
-        """Returns the contact of this name in the robot's file.
-
-        Raises:
-            RobotDescriptionError: If the file has no such contact.
-        """
+        """Returns the contact of this name in the robot's file."""
         for entry in self.file.contacts:
             if entry.name == name:
                 return entry
@@ -283,9 +273,7 @@ def coordinates_beside(
 ) -> dict[str, dict[str, int]]:
     """Finds the coordinates of a finalized plant that are not the robot's.
 
-    Returns:
-        Place in the plant's state by the coordinate's name, for positions ``q`` and
-        velocities ``v``; empty if there are no other coordinates.
+    Maps ``q`` and ``v`` to places in the plant's state by name; empty for none.
     """
     own = set(np.concatenate(own_places(plant, robot)).tolist())
     names = [*plant.GetPositionNames(), *plant.GetVelocityNames()]
@@ -300,11 +288,7 @@ def coordinates_beside(
 
 
 def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
-    """Parses a URDF file into ``plant`` as a model instance of this name.
-
-    Raises:
-        RuntimeError: From Drake, if the file or a mesh is missing or faulty.
-    """
+    """Parses a URDF file into ``plant`` as a model instance of this name."""
     instance = parse(plant, urdf)[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)

@@ -82,10 +82,7 @@ class Model(Configuration):
         Args:
             plant: Plant to add to.
             name: Name of the model, for a file with one model.
-            path: Path of this entry in its scenario; empty for names of fields alone.
-
-        Raises:
-            ScenarioError: Naming the field that cannot be used.
+            path: Path of this entry in its scenario, for errors.
         """
 
         def refusal(field: str, problem: str) -> ScenarioError:

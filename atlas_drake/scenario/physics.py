@@ -69,11 +69,7 @@ def plant_config(**fields: Any) -> MultibodyPlantConfig:
 def checked_plant_config(
     config: MultibodyPlantConfig, physics_step: float
 ) -> MultibodyPlantConfig:
-    """Returns a copy with the fields that the station decides, such as ``time_step``.
-
-    Raises:
-        ScenarioError: Naming the field that cannot be used.
-    """
+    """Returns a checked copy with the station's own fields, such as ``time_step``."""
     config = copy.deepcopy(config)
     _decide(config, "plant", "time_step", physics_step, "set physics_step instead")
     sampled = "use_sampled_output_ports"
@@ -86,11 +82,7 @@ def checked_plant_config(
 
 
 def check_simulator_config(config: SimulatorConfig) -> None:
-    """Checks the simulator's configuration.
-
-    Raises:
-        ScenarioError: Naming the field that cannot be used.
-    """
+    """Checks the simulator's configuration."""
     _decide(config, "simulator", "start_time", 0.0, "must be 0: times count from 0")
     try:
         simulator = Simulator(ConstantVectorSource([0.0]))

@@ -26,11 +26,7 @@ class WorldError(AtlasError, ValueError):
 
 
 def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
-    """Returns the callables of a world.
-
-    Raises:
-        WorldError: If it is not a list of callables.
-    """
+    """Returns the callables of a world, which must be a list of them."""
     makers = tuple(world) if isinstance(world, Iterable) else ()
     if not (isinstance(world, Iterable) and all(map(callable, makers))):
         wanted = "a list of callables (plant) -> None"
@@ -39,11 +35,7 @@ def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
 
 
 def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
-    """Adds everything beside robot and ground to a plant (before Finalize).
-
-    Raises:
-        WorldError: If one of them is not callable, or finalizes the plant.
-    """
+    """Adds everything beside robot and ground to a plant (before Finalize)."""
     for index, add in enumerate(listed(world)):
         add(plant)
         if plant.is_finalized():

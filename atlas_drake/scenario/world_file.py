@@ -145,13 +145,8 @@ def load_world(name: str | Path = DEFAULT_WORLD) -> World:
 def world_from(given: Any, present: World | None = None) -> World:
     """Makes a world of what a scenario has in its field ``world``.
 
-    Args:
-        given: A ``World``; a name or a path; or a mapping of fields, of which ``name``
-            says whose values the fields left out have.
-        present: Has the fields left out where no name is given; None is level ground.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
+    Fields that a mapping leaves out are those of the world of its ``name``, or else of
+    the one that is ``present``; None is level ground.
     """
     if isinstance(given, World):
         return given
