@@ -327,6 +327,8 @@ class Scenario(CheckedOnce):
             # Without values in the file, a default of a user's behavior is at fault.
             named = error.within(find_robot(self.model)) if file.controller else error
             raise named from None
+        if not self.controller:
+            return robots
         return robots.with_values(self.controller, behaviors)
 
     def surroundings(self) -> World:
