@@ -94,7 +94,7 @@ class RobotFile(Configuration):
     """Bodies of the left and the right hand; none for a robot without hands."""
     imu_frame: str = ""
     """Frame of the inertial sensor; the pelvis if left out."""
-    feet: Annotated[list[FootEntry], Len(2, 2)]
+    feet: list[FootEntry]
     """Left foot, right foot: the order of foot_index."""
     sole: SoleSize
     """Contact rectangle of each sole."""
@@ -122,6 +122,9 @@ class RobotFile(Configuration):
         if len(self.hands) not in (0, 2):
             problem = "must be the left and the right hand, or []"
             raise ScenarioError.about("hands", self.hands, problem)
+        if len(self.feet) != 2:
+            problem = "must be two: the left and the right foot"
+            raise ScenarioError.about("feet", self.feet, problem)
         for path, entries in {
             "joints": [[one.name, one.alias] for one in self.joints],
             "contacts": [[one.name] for one in self.contacts],

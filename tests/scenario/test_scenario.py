@@ -17,7 +17,6 @@ from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.config import as_plain, read_yaml
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
@@ -110,7 +109,6 @@ REFUSED = {
     "terrain": ["flat"],
     "start.tilt": [0.0],
     "start.yaw": [math.nan, "ninety"],
-    "start.harnessed": [1],
     "start.position": [[0.0]],
     "start.position[0]": [[1e308, 0.0]],
     "start.release_time": [1.0],
@@ -213,7 +211,7 @@ simulator: {accuracy: 1e-3}
     controller = scenario.controller_config()
     assert controller.gains.dcm_gain == 2.5
     assert controller.gains.com_height == PdGains(kp=50.0, kd=12.0)
-    assert controller.walk.rules == WalkRules(dcm_ready=0.03)
+    assert controller.walk.rules.dcm_ready == 0.03
     assert controller.walk.cop_inward == 0.02
     assert controller.manipulate.reserves == PelvisReserves(com_margin=0.06)
     assert controller.step.posture.knee_efforts == (0.7, 0.8)
