@@ -33,7 +33,7 @@ LEAVES = (
     | st.booleans()
     | st.integers()
     | st.floats(allow_nan=False)
-    | st.text("aN1e-.:#'\" ", max_size=5)
+    | st.text("aNe-.:#'\" ", max_size=5)
 )
 VALUES = st.recursive(
     LEAVES,

@@ -49,7 +49,9 @@ class TimedMessage(Configuration):
         """Checks what can be checked without the robot."""
         given = [name for name in _KINDS if getattr(self, name)]
         if len(given) != 1:
-            raise ScenarioError("", given, f"must have one of {' and '.join(_KINDS)}")
+            raise ScenarioError(
+                "", given, f"must have exactly one of {' and '.join(_KINDS)}"
+            )
         self._made(1, "")
 
     def message(

@@ -112,8 +112,12 @@ def test_parameters_that_cannot_be_used_are_named(fields, field, told):
     ("message", "field", "told"),
     [
         ({"atlas_command": {"k_effort": 255}, "time": -1.0}, ".time", "is -1.0"),
-        ({"time": 1.0}, "", "one of"),
-        (sim_message(behavior=3) | {"atlas_command": {"k_effort": 1}}, "", "one of"),
+        ({"time": 1.0}, "", "exactly one"),
+        (
+            sim_message(behavior=3) | {"atlas_command": {"k_effort": 1}},
+            "",
+            "exactly one",
+        ),
         (sim_message(behaviour=3), ".atlas_sim_interface_command.behaviour", "no such"),
         (
             sim_message(walk_params={"step_queue": [{"foot_indx": 0}]}),
