@@ -1,7 +1,4 @@
-"""Files that get their name only when they are complete.
-
-Also checks in advance whether a file can be written.
-"""
+"""Files that get their name only when they are complete."""
 
 from __future__ import annotations
 
@@ -16,11 +13,10 @@ from pathlib import Path
 def why_not_writable(path: Path) -> str | None:
     """Returns the reason why a file cannot be written at ``path``, or None."""
     try:
-        folder = path.parent
         if path.is_dir():
             return f"{path} is a folder"
-        if not folder.is_dir():
-            return f"there is no folder {folder}"
+        if not path.parent.is_dir():
+            return f"there is no folder {path.parent}"
         # A file is replaced by the complete new one; a device is written to directly.
         ends = [path] if path.exists() else []
         if not ends or path.is_file():
@@ -36,13 +32,13 @@ def _resolved(path: Path) -> Path:
     """Resolves the links of a path.
 
     Raises:
-        OSError: If the links form a circle.
+        OSError: If the links form a circle, which Python reports in several ways.
     """
     try:
         target = path.resolve()
-    except RuntimeError as error:
-        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from error
-    if target.is_symlink():  # Python 3.13 and later do not resolve a circle.
+    except RuntimeError:
+        target = path
+    if target.is_symlink():
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
     return target
 
@@ -51,27 +47,20 @@ def _resolved(path: Path) -> Path:
 def atomic_write(path: Path, unfinished_as: str = "") -> Iterator[Path]:
     """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
-    The content is on the disk before the file gets its name.
-
-    Every call has its own unfinished file: when two programs write one ``path``, the
-    last one to finish replaces the file. A ``path`` that is a device or a pipe is
-    written to directly.
+    The content is on the disk before the file gets its name. The target of a link is
+    written; a device or a pipe is written to directly.
 
     Args:
         path: The file.
-        unfinished_as: Part of the unfinished file's name, for a ``path`` that only one
-            program writes at a time: after a program that was killed, the next call
-            writes to the same unfinished file, and none stays behind. Empty for a name
-            that no other call has.
+        unfinished_as: Part of the unfinished file's name, where one program writes at a
+            time: after a kill, the next call takes up the same unfinished file. Empty
+            for a name that no other call has.
 
     Raises:
         OSError: If the file cannot be made.
     """
-    # Write the target of a link, and keep the link.
     path = _resolved(path)
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if path.exists() and not path.is_file():
+    if path.exists() and not (path.is_file() or path.is_dir()):
         yield path
         return
     # Without the stem of the path, because the length of names is limited.

@@ -1,21 +1,23 @@
 """Declares, reads and checks configurations by pydantic.
 
 Accepts the mapping of a YAML file and a value made in Python. A field's bounds stand
-in its annotation, its text in the string below it.
+in its annotation, its text and its unit in the string below it.
 """
 
 from __future__ import annotations
 
 import ast
+import contextlib
 import dataclasses
 import functools
 import inspect
+import itertools
 import math
-import operator
 import re
+import textwrap
 import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from types import ModuleType
@@ -24,7 +26,13 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard
 import numpy as np
 import yaml
 from annotated_types import Ge, Gt, Interval, Len
-from pydantic import AfterValidator, BeforeValidator, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    GetPydanticSchema,
+    Strict,
+    TypeAdapter,
+    ValidationError,
+)
 from pydantic_core import core_schema
 
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
@@ -58,16 +66,12 @@ def as_float(value: object) -> float | None:
 
 
 def plain_number(value: object) -> object:
-    """Converts a number to ``int`` or ``float``, and returns other values unchanged.
+    """Converts a number or truth value to Python's own; returns others unchanged.
 
-    Truth values of numpy become Python's, and numbers of numpy and fractions the
-    nearest float, so that code after a check can calculate with them. A number beyond
-    the range of a float is not changed, for a check to refuse.
+    A number beyond the range of a float is not changed, for a check to refuse.
     """
-    if isinstance(value, np.float64):
-        return float(value)  # A subclass of float.
-    if isinstance(value, np.bool_):
-        return bool(value)
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, (float, int)) or not is_number(value):
         return value
     if isinstance(value, Integral):
@@ -91,14 +95,8 @@ Vector = Annotated[list[float], Len(3, 3)]
 class LeastGreatest(NamedTuple):
     """A least and a greatest value."""
 
-    least: float
-    greatest: float
-
-
-def _two_numbers(value: Any) -> Any:
-    if isinstance(value, list | tuple) and len(value) == 2:
-        return value
-    raise ValueError(f"is {shown(value)}; must be two numbers, the least and greatest")
+    least: Annotated[float, Strict()]
+    greatest: Annotated[float, Strict()]
 
 
 def _in_order(value: LeastGreatest) -> LeastGreatest:
@@ -107,9 +105,7 @@ def _in_order(value: LeastGreatest) -> LeastGreatest:
     return value
 
 
-Range = Annotated[
-    LeastGreatest, BeforeValidator(_two_numbers), AfterValidator(_in_order)
-]
+Range = Annotated[LeastGreatest, AfterValidator(_in_order)]
 """A least and a greatest value, ``[least, greatest]`` in YAML."""
 
 
@@ -136,41 +132,9 @@ class Configuration:
         """
 
     @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> dict[str, Any]:
+    def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
         """Describes the class to pydantic."""
-        schema = take_yaml(handler(source), handler)
-        return finished_by(_after_check, schema, handler)
-
-
-def take_yaml(schema: dict[str, Any], handler: Any) -> dict[str, Any]:
-    """Lets a strict schema take mappings for dataclasses, and lists for tuples."""
-    whole = handler.resolve_ref_schema(schema)
-    whole["strict"] = False
-    pending: list[Any] = [whole["schema"]]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, dict):
-            pending += part.values()
-            if part.get("type") == "tuple":
-                part["strict"] = False
-        elif isinstance(part, list):
-            pending += part
-    return schema
-
-
-def finished_by(
-    function: Callable[[Any], Any], schema: dict[str, Any], handler: Any
-) -> dict[str, Any]:
-    """Lets pydantic hand each value of a class to ``function``, which returns it."""
-    # In place, because other places of the same type refer to this description.
-    whole = handler.resolve_ref_schema(schema)
-    fields = {name: part for name, part in whole.items() if name != "ref"}
-    whole.pop("schema")
-    after = {"type": "no-info", "function": function}
-    whole.update(type="function-after", function=after, schema=fields)
-    for name in fields.keys() - {"type", "schema", "metadata"}:
-        whole.pop(name, None)
-    return schema
+        return finished_by(_after_check, _take_yaml(handler(source), handler), handler)
 
 
 class CheckedOnce(Configuration):
@@ -189,84 +153,32 @@ def _after_check(value: Configuration) -> Configuration:
     return value
 
 
-LARGEST = 1e6
-"""Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
-from the origin, positions are still exact to a nanometre."""
-_EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
-_SHOULD_BE = "Input should be "
-_UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
+def _take_yaml(schema: Any, handler: Any) -> Any:
+    """Lets a strict schema take mappings for dataclasses, and lists for tuples."""
+    whole = handler.resolve_ref_schema(schema)
+    whole["strict"] = False
+    pending: list[Any] = [whole["schema"]]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, dict):
+            pending += part.values()
+            if part.get("type") == "tuple":
+                part["strict"] = False
+        elif isinstance(part, list):
+            pending += part
+    return schema
 
 
-def checked(
-    kind: Any, given: Any, path: str = "", *, base: Any = None, from_text: bool = False
-) -> Any:
-    """Checks a value with all its parts, and converts it to its declared type.
-
-    Fractions, numpy's numbers and arrays become Python's own numbers and lists.
-
-    Args:
-        kind: Declared type, such as a ``Configuration``.
-        given: A value of this type, or a mapping of some or all fields.
-        path: Path of the value, such as ``terrain[0]``; empty for the whole file.
-        base: Has the fields that a mapping leaves out; None for the defaults.
-        from_text: True if ``given`` was read from YAML, which reads 1e-3 as a word.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
-    """
-    plain = _plain(given, from_text)
-    plain = overlaid(_defaults(kind) if base is None else _plain(base), plain)
-    try:
-        made = _adapter(kind).validate_python(plain)
-    except ValidationError as error:
-        raise _first(error, kind, path) from None
-    _check_size(made, path)
-    return made
-
-
-def read_yaml(text: str) -> Any:
-    """Reads a YAML text of mappings, lists and plain values.
-
-    Raises:
-        yaml.YAMLError: Naming line and column, if the text is not YAML, or if an alias
-            stands within what it names: such a value has no end.
-    """
-    around: list[str | None] = []  # Anchors of the collections around an event.
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            around.append(event.anchor)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            around.pop()
-        elif isinstance(event, yaml.AliasEvent) and event.anchor in around:
-            problem = f"the alias *{event.anchor} stands within what it names"
-            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
-    from pydrake.common.yaml import yaml_load
-
-    return yaml_load(data=text)
-
-
-def overlaid(base: Any, given: Any) -> Any:
-    """Returns ``base`` with the fields of ``given``, mapping by mapping."""
-    if not (isinstance(base, Mapping) and isinstance(given, Mapping)):
-        return given
-    changed = {
-        name: overlaid(base[name], value) if name in base else value
-        for name, value in given.items()
-    }
-    return {**base, **changed}
-
-
-def as_plain(value: Any) -> Any:
-    """Converts the value to mappings, lists and plain values, as in YAML."""
-    if _is_drake_pose(value):
-        from pydrake.common.yaml import yaml_dump_typed
-
-        return read_yaml(yaml_dump_typed(value))
-    if isinstance(value, list | tuple):
-        return [as_plain(element) for element in value]
-    if (names := _names(type(value))) is not None:
-        return {name: as_plain(getattr(value, name)) for name in names}
-    return value
+def finished_by(function: Callable[[Any], Any], schema: Any, handler: Any) -> Any:
+    """Lets pydantic hand each value of a class to ``function``, which returns it."""
+    # In place: pydantic refers to the description of a type that it meets again.
+    whole = handler.resolve_ref_schema(schema)
+    inner = {name: part for name, part in whole.items() if name != "ref"}
+    after = {"type": "no-info", "function": function}
+    ref = {"ref": whole["ref"]} if "ref" in whole else {}
+    whole.clear()
+    whole.update(type="function-after", function=after, schema=inner, **ref)
+    return schema
 
 
 class OfDrake:
@@ -275,10 +187,10 @@ class OfDrake:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Describes the fields of Drake's class to pydantic."""
         fields = {
-            field.name: core_schema.typed_dict_field(
-                handler.generate_schema(field.type), required=False
+            name: core_schema.typed_dict_field(
+                handler.generate_schema(kind), required=False
             )
-            for field in source.__fields__
+            for name, kind in _fields(source).items()
         }
         config = core_schema.CoreConfig(strict=True)
         mapping = core_schema.typed_dict_schema(
@@ -289,20 +201,9 @@ class OfDrake:
         )
 
 
-@dataclasses.dataclass(frozen=True)
-class As:
+def read_as(kind: Any) -> GetPydanticSchema:
     """Annotation of a field that is read as another type than it is given."""
-
-    kind: Any
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Describes the other type to pydantic."""
-        return handler.generate_schema(self.kind)
-
-
-@functools.cache
-def _adapter(kind: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(declared(kind))
+    return GetPydanticSchema(lambda _, handler: handler.generate_schema(kind))
 
 
 def declared(kind: Any) -> Any:
@@ -311,70 +212,87 @@ def declared(kind: Any) -> Any:
     if not is_class or issubclass(kind, Configuration):
         return kind
     kind.__pydantic_config__ = Configuration.__pydantic_config__
-    return Annotated[kind, _Mapping()]
+    mapping = GetPydanticSchema(lambda own, handler: _take_yaml(handler(own), handler))
+    return Annotated[kind, mapping]
 
 
-class _Mapping:
-    """Annotation of a user's own dataclass, to be read as a ``Configuration`` is."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return take_yaml(handler(source), handler)
-
-
-def _is_drake_pose(value: Any) -> bool:
-    """Returns True for Drake's ``Transform``, without loading Drake."""
-    return type(value).__name__ == "Transform"
+LARGEST = 1e6
+"""Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
+from the origin, positions are still exact to a nanometre."""
+_UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
+_UNIT = re.compile(r"\[([^\[\],]+)\]")
 
 
-def _names(kind: Any) -> dict[str, Any] | None:
-    """Returns the fields' types by name; None if the type has no fields."""
-    if dataclasses.is_dataclass(kind):
-        hints = typing.get_type_hints(kind, include_extras=True)
-        return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
-    fields = getattr(kind, "__fields__", None)
-    return None if fields is None else {one.name: one.type for one in fields}
+def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
+    """Checks a value with all its parts, and converts it to its declared type.
+
+    Fractions, numpy's numbers and arrays become Python's own numbers and lists.
+
+    Args:
+        kind: Declared type, such as a ``Configuration``.
+        given: A value of this type, or a mapping of some or all fields.
+        path: Path of the value, such as ``terrain[0]``; empty for the whole file.
+        base: Has the fields that a mapping leaves out; None for the defaults.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    plain = as_plain(_defaults(kind) if base is None else base)
+    try:
+        made = _adapter(kind).validate_python(_overlaid(plain, as_plain(given)))
+    except ValidationError as error:
+        raise _first(error, kind, path) from None
+    _check_size(made, path)
+    return made
 
 
-def _defaults(kind: Any) -> Any:
-    """Returns the defaults of a dataclass' fields, as mappings."""
+@functools.cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(declared(kind))
+
+
+def _defaults(kind: Any) -> dict[str, Any] | None:
     if not dataclasses.is_dataclass(kind):
         return None
     found = {}
     for field in dataclasses.fields(kind):
         if field.default is not dataclasses.MISSING:
-            found[field.name] = _plain(field.default)
+            found[field.name] = field.default
         elif field.default_factory is not dataclasses.MISSING:
-            found[field.name] = _plain(field.default_factory())
+            found[field.name] = field.default_factory()
     return found
 
 
-def _plain(value: Any, from_text: bool = False) -> Any:
-    """Converts structures to mappings, and numbers and sequences to Python's own."""
-    if isinstance(value, type) or _is_drake_pose(value):
-        return value
-    if isinstance(value, str):
-        is_exponent = from_text and _EXPONENT.fullmatch(value)
-        return float(value) if is_exponent else value
+def _overlaid(base: Any, given: Any) -> Any:
+    """Returns ``base`` with the fields of ``given``, mapping by mapping."""
+    if not (isinstance(base, Mapping) and isinstance(given, Mapping)):
+        return given
+    changed = {
+        name: _overlaid(base[name], value) if name in base else value
+        for name, value in given.items()
+    }
+    return {**base, **changed}
+
+
+@functools.singledispatch
+def as_plain(value: Any) -> Any:
+    """Converts the value to mappings, lists and plain values, as in YAML."""
+    if isinstance(value, np.ndarray):
+        return as_plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [as_plain(element) for element in value]
     if isinstance(value, Mapping):
-        return {name: _plain(item, from_text) for name, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        items = [_plain(item, from_text) for item in value]
-        # An error shows the list that was given, where nothing in it changed.
-        same = isinstance(value, list) and all(map(operator.is_, items, value))
-        return value if same else items
-    if dataclasses.is_dataclass(value):
-        names = [field.name for field in dataclasses.fields(value)]
-        return {name: _plain(getattr(value, name)) for name in names}
-    if hasattr(value, "__fields__"):
-        names = [field.name for field in value.__fields__]
-        return {name: getattr(value, name) for name in names}
+        return {name: as_plain(item) for name, item in value.items()}
+    kind: Any = type(value)
+    if fields := _fields(kind):
+        return {name: as_plain(getattr(value, name)) for name in fields}
     return plain_number(value)
 
 
 def _check_size(value: Any, path: str) -> None:
     """Refuses numbers so large that positions lose their precision."""
     if isinstance(value, float) and abs(value) > LARGEST:
-        raise _wrong(path, value, f"within ±{LARGEST:g}")
+        raise ScenarioError.about(path, value, f"must be within ±{LARGEST:g}")
     if isinstance(value, list | tuple):
         for index, item in enumerate(value):
             _check_size(item, f"{path}[{index}]")
@@ -384,41 +302,35 @@ def _check_size(value: Any, path: str) -> None:
 
 
 def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
-    """Returns the first of pydantic's errors as this package reports it."""
+    """Returns the first of pydantic's errors, with path, value and unit in front."""
     faults = error.errors(include_url=False)
     # A field with a mistyped name is missing, too.
     fault = next((one for one in faults if one["type"] in _UNKNOWN), faults[0])
-    where, known = path, kind
+    where, value, unit, owner = path, fault["input"], "", None
     for part in fault["loc"]:
-        owner = _structure(known)
-        where = f"{where}[{part}]" if isinstance(part, int) else joined(where, part)
-        known = _part(owner, part)
-    value = fault["input"]
-    name = fault["type"]
-    if name in _UNKNOWN:
-        names = list(_names(owner) or ())
-        last = str(fault["loc"][-1])
-        hint = did_you_mean(last, names) or f" There are {', '.join(names)}."
+        owner = _structure(kind)
+        if isinstance(part, int):
+            where = f"{where}[{part}]"
+            kind = next(iter(typing.get_args(owner)), None)
+        else:
+            where = joined(where, part)
+            unit = _unit(owner, part)
+            kind = _fields(owner).get(part)
+    if fault["type"] in _UNKNOWN:
+        known = _fields(owner)
+        hint = did_you_mean(str(fault["loc"][-1]), known)
+        hint = hint or f" There are {', '.join(known)}."
         return ScenarioError(where, value, f"there is no such field.{hint}")
-    if name in ("missing", "string_too_short"):
-        hints = [note for note in _notes(known) if isinstance(note, str)]
-        return ScenarioError(where, None, "; ".join(["is missing", *hints]))
-    if isinstance(cause := fault.get("ctx", {}).get("error"), ScenarioError):
-        below = cause.field
-        where = joined(where, below) if below else where
-        return ScenarioError(where, cause.value, cause.problem)
-    if name == "value_error":
-        return ScenarioError(where, value, str(fault["ctx"]["error"]))
-    if name == "float_type" and is_number(value):
-        return _wrong(where, value, f"within ±{LARGEST:g}")
-    if name in ("dataclass_type", "dict_type") and _names(_structure(known)):
-        return _wrong(where, value, _example(_structure(known)))
-    if name == "bool_type":  # In the words of YAML.
-        return _wrong(where, value, "true or false")
-    said = fault["msg"].replace(" after validation", "")
-    if said.startswith(_SHOULD_BE):
-        return _wrong(where, value, said.removeprefix(_SHOULD_BE))
-    return ScenarioError.about(where, value, said)
+    if fault["type"] == "missing":
+        return ScenarioError(where, None, "is missing")
+    if isinstance(cause := fault.get("ctx", {}).get("error"), ValueError):
+        if isinstance(cause, ScenarioError):
+            below = joined(where, cause.field) if cause.field else where
+            return ScenarioError(below, cause.value, cause.problem)
+        return ScenarioError(where, value, str(cause))
+    said = fault["msg"].replace("Input should be", "must be")
+    unit = unit if is_number(value) else ""
+    return ScenarioError(where or "file", value, f"is {shown(value)}{unit}; {said}")
 
 
 def _structure(kind: Any) -> Any:
@@ -431,29 +343,23 @@ def _structure(kind: Any) -> Any:
     return kind
 
 
-def _part(kind: Any, part: str | int) -> Any:
-    """Returns the type of a field or of an element; None if it is not known."""
-    names = _names(kind)
-    if names is not None:
-        return names.get(str(part))
-    arguments = typing.get_args(kind)
-    return arguments[0] if isinstance(part, int) and arguments else None
+@functools.cache
+def _fields(kind: Any) -> dict[str, Any]:
+    """Returns the fields' types by name; empty if the type has no fields."""
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        hints = typing.get_type_hints(kind, include_extras=True)
+        return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+    return {field.name: field.type for field in getattr(kind, "__fields__", ())}
 
 
-def _notes(kind: Any) -> tuple[Any, ...]:
-    """Returns the annotations of a type that may be None."""
-    if typing.get_origin(kind) is Annotated:
-        inner, *notes = typing.get_args(kind)
-        return (*notes, *_notes(inner))
-    if typing.get_origin(kind) in (types.UnionType, typing.Union):
-        return sum((_notes(one) for one in typing.get_args(kind)), ())
-    return ()
-
-
-def _example(kind: Any) -> str:
-    example = next(iter(_names(kind) or ()))
-    default = shown(as_plain(getattr(kind(), example)))
-    return f"fields of a {kind.__name__}, such as {example}: {default}"
+def _unit(owner: Any, field: str) -> str:
+    """Returns the unit in the text of a field, such as ``m``; empty for none."""
+    for cls in inspect.getmro(owner) if inspect.isclass(owner) else ():
+        with contextlib.suppress(OSError, TypeError):  # A class without source.
+            units = _UNIT.findall(trailing_strings(cls).get(field, ""))
+            if units:
+                return f" {units[-1]}" if units[-1] != "-" else ""
+    return ""
 
 
 def joined(path: str, name: object) -> str:
@@ -461,39 +367,133 @@ def joined(path: str, name: object) -> str:
     return f"{path}.{name}" if path else str(name)
 
 
-def _wrong(path: str, value: object, wanted: str) -> ScenarioError:
-    return ScenarioError.about(path or "scenario", value, f"must be {wanted}")
+MOST_VALUES = 1_000_000
+"""Largest number of values in a YAML text; an alias counts as all that it names."""
 
 
+class _Loader(yaml.SafeLoader):
+    """Refuses what would be read otherwise than it looks.
+
+    A tag, such as ``!Rpy``, becomes the key ``_tag``, as Drake reads it.
+    """
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Composes a node, and counts the values within."""
+        event = self.peek_event()
+        node = super().compose_node(parent, index)
+        if isinstance(event, yaml.AliasEvent):
+            if not hasattr(node, "size"):
+                problem = f"the alias *{event.anchor} stands within what it names"
+                raise yaml.MarkedYAMLError(
+                    problem=problem, problem_mark=event.start_mark
+                )
+            return node
+        parts = node.value if isinstance(node.value, list) else []
+        if isinstance(node, yaml.MappingNode):
+            _check_keys(node)
+            parts = [part for pair in parts for part in pair]
+        node.size = 1 + sum(part.size for part in parts)
+        if node.size > MOST_VALUES:
+            problem = f"there are more than {MOST_VALUES} values"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+        return node
+
+    def construct_tagged(self, tag: str, node: Any) -> dict[str, Any]:
+        """Returns the mapping of a node with a tag."""
+        return {**self.construct_mapping(node), "_tag": tag}
+
+
+def _check_keys(node: yaml.MappingNode) -> None:
+    known = set()
+    for key, _ in node.value:
+        problem = ""
+        if key.tag == "tag:yaml.org,2002:merge":
+            continue
+        if key.tag != "tag:yaml.org,2002:str":
+            shown_key = key.value if isinstance(key.value, str) else "of several values"
+            problem = f"the key {shown_key} is no text; must be a field's name"
+        elif key.value in known:
+            problem = f"the key {key.value} is given twice"
+        if problem:
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
+        known.add(key.value)
+
+
+_Loader.add_multi_constructor("", _Loader.construct_tagged)
+# YAML 1.1 demands a point, and reads 1e-3 as a word.
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+"),
+    list("-+.0123456789"),
+)
+
+
+def read_yaml(text: str) -> Any:
+    """Reads a YAML text of mappings, lists and plain values; None if it is empty.
+
+    Keys of the whole text that begin with an underscore hold parts for aliases, and are
+    left out.
+
+    Raises:
+        ValueError: In one line with the line's number, if the text is not YAML, has a
+            key twice or one that is no text, or an alias without an end.
+    """
+    try:
+        found = yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        said = ": ".join(filter(None, (error.context, error.problem)))
+        raise ValueError(f"line {mark.line + 1}: {said}" if mark else said) from None
+    except yaml.YAMLError as error:
+        raise ValueError(" ".join(str(error).split())) from None
+    except RecursionError:
+        raise ValueError("mappings and lists are nested too deeply") from None
+    if isinstance(found, dict):
+        return {name: item for name, item in found.items() if not name.startswith("_")}
+    return found
+
+
+def read_file(path: str | Path) -> str:
+    """Reads a text file.
+
+    Raises:
+        ScenarioError: If there is no text.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError("file", str(path), f"cannot be read: {error}") from None
+
+
+def read_fields(text: str, example: str) -> dict[str, Any]:
+    """Reads a YAML text of a mapping; ``example`` shows one of its fields.
+
+    Raises:
+        ScenarioError: If it is no mapping.
+    """
+    try:
+        raw = read_yaml(text)
+    except ValueError as error:
+        raise ScenarioError("file", text, f"cannot be read: {error}") from None
+    if not isinstance(raw, dict):
+        raise ScenarioError("file", raw, f"must have fields, such as {example}")
+    return raw
+
+
+@functools.cache
 def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
     """Returns the string after each assignment in a class or a module, by name.
 
     Raises:
         OSError: If there is no source.
     """
-    body = _body(str(inspect.getsourcefile(owner)))
-    if inspect.isclass(owner):
-        for name in owner.__qualname__.split("."):
-            body = next(
-                (one.body for one in body if getattr(one, "name", None) == name),  # type: ignore[attr-defined]
-                [],
-            )
+    body: list[ast.stmt] = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
+    if isinstance(body[0], ast.ClassDef) and inspect.isclass(owner):
+        body = body[0].body
     found: dict[str, str] = {}
-    names: list[str] = []
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names = [node.target.id]
-        elif isinstance(node, ast.Assign):
-            names = [t.id for t in node.targets if isinstance(t, ast.Name)]
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            found |= dict.fromkeys(names, inspect.cleandoc(str(node.value.value)))
-            names = []
-        else:
-            names = []
+    for node, after in itertools.pairwise(body):
+        if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            targets = getattr(node, "targets", [getattr(node, "target", None)])
+            names = [one.id for one in targets if isinstance(one, ast.Name)]
+            found |= dict.fromkeys(names, inspect.cleandoc(str(after.value.value)))
     return found
-
-
-@functools.lru_cache(maxsize=64)
-def _body(path: str) -> Sequence[ast.stmt]:
-    """Parses a file once for all its classes."""
-    return ast.parse(Path(path).read_text()).body

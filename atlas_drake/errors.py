@@ -99,7 +99,7 @@ class _FileError(_FieldError):
 class RobotDescriptionError(_FileError):
     """A robot that does not exist, or whose files cannot be used.
 
-    The attributes ``field``, ``value`` and ``problem`` are those of a ScenarioError.
+    Its attributes are those of a ``ScenarioError``.
     """
 
 
@@ -122,11 +122,7 @@ SHOWN = 500
 
 
 def shown(value: object) -> str:
-    """Returns ``repr(value)``, shortened for an error message.
-
-    A value whose ``repr`` fails, such as an integer of thousands of digits, is
-    described by its type.
-    """
+    """Returns ``repr(value)``, shortened for an error message."""
     try:
         text = repr(value)
     except Exception:  # The user's own object may raise any error.
@@ -141,15 +137,6 @@ def described(value: object) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Names the valid word nearest to a mistyped word.
-
-    Args:
-        word: The word as written.
-        known: The valid words.
-
-    Returns:
-        A sentence with a leading space, to be appended to an error message; empty
-        when no valid word resembles the word.
-    """
+    """Asks, after a space, for the valid word nearest to a mistyped one, if any is."""
     close = difflib.get_close_matches(word, list(known), n=1)
     return f" Did you mean {close[0]!r}?" if close else ""

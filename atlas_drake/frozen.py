@@ -36,15 +36,10 @@ An abstract value cannot hold None: Drake's nanobind bindings refuse it.
 
 
 def replace(value: _T, **changes: Any) -> _T:
-    """Returns a copy of the value with some fields changed.
+    """Returns a copy of a frozen dataclass without slots, with some fields changed.
 
-    Works as ``dataclasses.replace`` at a tenth of its cost, which matters for several
-    calls in each control tick. ``__post_init__`` is not run. The copy computes cached
-    properties again.
-
-    Args:
-        value: A frozen dataclass without slots.
-        **changes: New values of fields.
+    Works as ``dataclasses.replace`` at a tenth of its cost, which matters in each
+    control tick. ``__post_init__`` is not run, and cached properties are not copied.
 
     Raises:
         TypeError: If there is no such field.
@@ -66,13 +61,8 @@ def replace(value: _T, **changes: Any) -> _T:
 def read_only(value: _T, before: Any = None) -> _T:
     """Makes all arrays within a value read-only, and returns the value.
 
-    Whoever writes into an array that others share gets a ``ValueError``. Arrays are
-    found in dataclasses, other ``Frozen`` values, tuples, lists and dictionaries.
-
-    Args:
-        value: Value that is handed out.
-        before: Earlier value whose arrays are read-only; parts of ``value`` that are
-            the same objects are skipped, so that each tick costs what it changes.
+    Parts that are those of ``before``, which is read-only, are skipped, so that each
+    tick costs what it changes.
     """
     if value is before or type(value) in _IMMUTABLE:
         return value

@@ -12,15 +12,7 @@ import numpy as np
 
 
 def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
-    """Rotation that takes B to D, as sin(angle) times its axis in W.
-
-    Args:
-        R_WD: Desired orientation, shape (3, 3).
-        R_WB: Actual orientation, shape (3, 3).
-
-    Returns:
-        The error [rad for small angles], shape (3,).
-    """
+    """Rotation that takes B to D, as sin(angle) times its axis in W, shape (3,)."""
     (_, xy, xz), (yx, _, yz), (zx, zy, _) = (R_WD @ R_WB.T).tolist()
     return np.array([0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)])
 
@@ -62,24 +54,15 @@ def tilt_of(R: np.ndarray) -> np.ndarray:
 
 
 def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
-    """Computes the rotation by roll, then pitch, then yaw about the axes of W.
+    """Computes the rotation of a yaw and a tilt, roll and pitch, about W's axes [rad].
 
     The inverse of ``yaw_of`` and ``tilt_of``.
-
-    Args:
-        yaw: [rad]
-        tilt: Roll and pitch [rad], shape (2,).
     """
     return rotation_z(yaw) @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
 
 
 def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
-    """Orientation whose z is ``normal`` and whose x heads along ``yaw``.
-
-    Args:
-        yaw: Heading of x about the world's z [rad].
-        normal: Unit vector in W, shape (3,), not horizontal.
-    """
+    """Orientation whose z is a unit vector, not level, and whose x heads along yaw."""
     c, s = math.cos(yaw), math.sin(yaw)
     nx, ny, nz = normal.tolist()
     slope = -(c * nx + s * ny) / nz

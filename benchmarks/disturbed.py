@@ -13,7 +13,7 @@ from pathlib import Path
 
 from atlas_drake import AtlasSimulation, Scenario, load_scenario
 from atlas_drake.robot import available_robots, models_at_hand
-from atlas_drake.scenario.drake_configs import plant_config
+from atlas_drake.scenario.physics import plant_config
 
 CAMPAIGNS = Path(__file__).parent / "campaigns"
 

@@ -100,9 +100,7 @@ class ControllerConfig(Configuration):
                 problem = f"there is no such field.{hint} {known}"
                 raise ScenarioError(f"controller.{name}", value, problem)
         given = {name: value for name, value in values.items() if name in base}
-        made: ControllerConfig = checked(
-            kind, given, "controller", base=base, from_text=True
-        )
+        made: ControllerConfig = checked(kind, given, "controller", base=base)
         return made
 
     def gait(self, **wanted: float) -> Gait:

@@ -95,7 +95,7 @@ class CampaignFolder:
             CampaignError: If the folder holds no campaign.
         """
         fields = dict(self._read()["campaign"])
-        campaign: Campaign = checked(Campaign, fields, from_text=True)
+        campaign: Campaign = checked(Campaign, fields)
         return campaign
 
     def _read(self) -> Any:

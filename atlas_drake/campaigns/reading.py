@@ -23,7 +23,7 @@ from atlas_drake.scenario import (
     with_settings,
     with_values,
 )
-from atlas_drake.scenario.scenario import with_full_paths
+from atlas_drake.scenario.reading import with_full_paths
 
 BESIDE = ("pushes", "duration", "schedule")
 """Fields of the scenario that may stand beside ``scenario``."""
@@ -135,7 +135,7 @@ def campaign_from(
             str((folder / name).absolute()) if isinstance(name, str) else name
             for name in fields["code"]
         ]
-    campaign: Campaign = checked(Campaign, fields, base=base, from_text=True)
+    campaign: Campaign = checked(Campaign, fields, base=base)
     return campaign
 
 

@@ -11,17 +11,21 @@ from atlas_drake.cockpit.clock_controls import ClockControls
 from atlas_drake.cockpit.next_run import NextRun
 from atlas_drake.cockpit.record import Recorded
 from atlas_drake.cockpit.setting_list import EXAMPLES
-from atlas_drake.config import read_yaml
+from atlas_drake.config import read_fields
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import Behavior
-from atlas_drake.scenario import Scenario, load_scenario
-from atlas_drake.scenario.differences import built_in_difference
-from atlas_drake.scenario.scenario import (
+from atlas_drake.scenario import (
+    Scenario,
+    load_scenario,
     scenario_from,
-    with_full_paths,
     with_settings,
 )
-from atlas_drake.scenario.scenario_yaml import changed_fields, scenario_yaml
+from atlas_drake.scenario.differences import (
+    built_in_difference,
+    changed_fields,
+    scenario_yaml,
+)
+from atlas_drake.scenario.reading import with_full_paths
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
@@ -119,11 +123,5 @@ class ScenarioControls:
             return scenario_from(changed_fields(self._sim.scenario))
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ScenarioError("file", None, "is too long for a scenario")
-        try:
-            raw = read_yaml(text)
-        except Exception as error:  # The parser raises many kinds of exception.
-            raise ScenarioError("file", None, f"cannot be read: {error}") from error
-        if not isinstance(raw, Mapping):
-            problem = "must have fields of a scenario, such as duration: 10"
-            raise ScenarioError("file", raw, problem)
+        raw = read_fields(text, "duration: 10")
         return scenario_from(with_full_paths(raw, Path.cwd()))

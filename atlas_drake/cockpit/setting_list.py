@@ -17,8 +17,7 @@ from atlas_drake.cockpit.settings import Setting, SettingsCard
 from atlas_drake.config import as_plain, joined, trailing_strings
 from atlas_drake.robot.load import available_robots
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.differences import is_of_a_run
-from atlas_drake.scenario.scenario_yaml import usual_of
+from atlas_drake.scenario.differences import is_of_a_run, usual_of
 from atlas_drake.scenario.world_file import available_worlds
 
 NOT_LISTED = (

@@ -13,7 +13,7 @@ from pydrake.systems.framework import BasicVector, Context
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.logs.log import Log
 from atlas_drake.records import TickRecord
-from atlas_drake.robot.coordinates import coordinates_beside, own_places
+from atlas_drake.robot.robot import coordinates_beside, own_places
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 

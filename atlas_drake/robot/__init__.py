@@ -23,7 +23,7 @@ from atlas_drake.robot.load import (
     model_beside,
     read_robot_file,
 )
-from atlas_drake.robot.packages import LOCAL_MODELS, models_at_hand
+from atlas_drake.robot.parsing import LOCAL_MODELS, models_at_hand
 from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
 
 __all__ = [

@@ -5,7 +5,6 @@ Consistency of file and URDF is checked in ``fit``.
 """
 
 # Annotations must be types, not strings: docs/make_reference.py reads them.
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
@@ -84,12 +83,12 @@ class ContactEntry(Configuration):
 class RobotFile(Configuration):
     """The schema of a robot's YAML file."""
 
-    urdf: Annotated[Name, "name the robot's URDF file, relative to this one"]
+    urdf: Name
     """URDF file, relative to this one, or ``package://NAME/...``: in the package above
     this file, in one of ROS_PACKAGE_PATH, or in drake_models, which Drake fetches."""
-    pelvis: Annotated[Name, "name the body at the top of both legs"]
+    pelvis: Name
     """Body at the top of both legs, free in the world."""
-    chest: Annotated[Name, "name the body that balance keeps upright, or the pelvis"]
+    chest: Name
     """Body that balance keeps upright; the pelvis itself for a robot without a back."""
     hands: list[str] = field(default_factory=list)
     """Bodies of the left and the right hand; none for a robot without hands."""
@@ -121,28 +120,22 @@ class RobotFile(Configuration):
     def check(self) -> None:
         """Checks what the fields' types do not express."""
         if len(self.hands) not in (0, 2):
-            wanted = "must be the left and the right hand, or []"
-            raise ScenarioError.about("hands", self.hands, wanted)
+            problem = "must be the left and the right hand, or []"
+            raise ScenarioError.about("hands", self.hands, problem)
         if len(self.feet) != 2:
-            wanted = "must be two: the left and the right foot"
-            raise ScenarioError.about("feet", self.feet, wanted)
-        _check_once("joints", [[one.name, one.alias] for one in self.joints])
-        _check_once("contacts", [[one.name] for one in self.contacts])
+            problem = "must be two: the left and the right foot"
+            raise ScenarioError.about("feet", self.feet, problem)
+        for path, entries in {
+            "joints": [[one.name, one.alias] for one in self.joints],
+            "contacts": [[one.name] for one in self.contacts],
+        }.items():
+            known: set[str] = set()
+            for index, names in enumerate(entries):
+                if known & set(names):
+                    problem = "has a name of an earlier one"
+                    raise ScenarioError(f"{path}[{index}].name", names[0], problem)
+                known |= set(filter(None, names))
         if self.most_knee_flexion < self.least_knee_flexion:
-            wanted = (
-                f"must be at least least_knee_flexion ({self.least_knee_flexion:g})"
-            )
-            raise ScenarioError.about(
-                "most_knee_flexion", self.most_knee_flexion, wanted
-            )
-
-
-def _check_once(path: str, entries: Iterable[Sequence[str]]) -> None:
-    """Checks that no two entries share a name."""
-    known: set[str] = set()
-    for index, names in enumerate(entries):
-        for name in filter(None, names):
-            if name in known:
-                wanted = "an earlier one has that name"
-                raise ScenarioError.about(f"{path}[{index}].name", name, wanted)
-            known.add(name)
+            problem = f"must be at least {self.least_knee_flexion:g}"
+            most = self.most_knee_flexion
+            raise ScenarioError.about("most_knee_flexion", most, problem)

@@ -92,16 +92,7 @@ class Leg:
 
 
 def read_legs(plant: Any, pelvis: Any, file: RobotFile) -> tuple[Leg, Leg]:
-    """Reads both legs from a finalized plant of the robot alone.
-
-    Args:
-        plant: A ``MultibodyPlant``.
-        pelvis: Body of the pelvis.
-        file: File of the robot.
-
-    Raises:
-        RobotDescriptionError: If a leg has another layout; it names the joints.
-    """
+    """Reads both legs from a finalized plant of the robot alone, and checks them."""
     left, right = (_read_leg(plant, pelvis, file, foot) for foot in (0, 1))
     return left, right
 

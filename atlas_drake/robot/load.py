@@ -7,7 +7,8 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,50 +17,69 @@ import numpy as np
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.config import checked, read_yaml
-from atlas_drake.errors import RobotDescriptionError, ScenarioError
-from atlas_drake.robot.data_file import file_beside, find_data_file
-from atlas_drake.robot.file import RobotFile
-from atlas_drake.robot.fit import (
-    check_base,
-    check_joints,
-    check_limits,
-    check_names,
-    check_overlaps,
-    check_pose,
-    check_stance,
+from atlas_drake.config import checked, read_fields, read_file
+from atlas_drake.errors import (
+    AtlasError,
+    RobotDescriptionError,
+    ScenarioError,
+    did_you_mean,
+    shown,
 )
+from atlas_drake.robot import fit
+from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.leg import read_legs
-from atlas_drake.robot.packages import find_urdf
+from atlas_drake.robot.parsing import find_urdf
 from atlas_drake.robot.robot import Robot, add_urdf, leave_out_collisions
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
+_ENDINGS = (".yaml", ".yml")
+"""Endings by which a path is told from a name."""
 
 
 def available_robots() -> list[str]:
     """Lists the names of the robots in the package, the default first."""
-    names = sorted(path.stem for path in MODELS_FOLDER.glob("*.yaml"))
-    return sorted(names, key=lambda name: name != DEFAULT_ROBOT)
+    return names_in(MODELS_FOLDER, DEFAULT_ROBOT)
+
+
+def names_in(folder: Path, first: str) -> list[str]:
+    """Lists the names of the YAML files in a folder, one of them first."""
+    names = sorted(path.stem for path in folder.glob("*.yaml"))
+    return sorted(names, key=lambda name: name != first)
+
+
+def find_data_file(
+    given: str | Path,
+    folder: Path,
+    names: Sequence[str],
+    kind: str,
+    fault: Callable[[str], AtlasError],
+) -> Path:
+    """Returns the YAML file of a name in a folder, or of a path; raises a ``fault``."""
+    if str(given) in names:
+        return folder / f"{given}.yaml"
+    path = Path(given).expanduser().absolute()
+    if path.suffix in _ENDINGS and path.is_file():
+        return path
+    what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
+    hint = did_you_mean(str(given), names)
+    raise fault(
+        f"there is no {what};{hint} must be one of {', '.join(names)}, or the path of "
+        f"a file ({' or '.join('*' + ending for ending in _ENDINGS)})",
+    )
+
+
+def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:
+    """Returns a name unchanged, or a path made absolute from ``folder``."""
+    if given in names or Path(given).suffix not in _ENDINGS:
+        return given
+    return str((folder / Path(given).expanduser()).absolute())
 
 
 def find_robot(model: str | Path) -> Path:
-    """Returns the YAML file of a robot, absolute.
-
-    Args:
-        model: A name from ``available_robots``, or the path of a YAML file, relative
-            to the working folder.
-
-    Raises:
-        RobotDescriptionError: If there is no such robot.
-    """
-    return find_data_file(
-        model,
-        MODELS_FOLDER,
-        available_robots(),
-        "robot",
-        lambda problem: RobotDescriptionError("model", str(model), problem),
-    )
+    """Returns the YAML file of a robot, absolute."""
+    fault = functools.partial(RobotDescriptionError, "model", str(model))
+    return find_data_file(model, MODELS_FOLDER, available_robots(), "robot", fault)
 
 
 def model_beside(model: str, folder: Path) -> str:
@@ -71,7 +91,8 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
     """Reads one robot.
 
     Args:
-        model: As for ``find_robot``.
+        model: A name from ``available_robots``, or the path of a YAML file, relative
+            to the working folder.
 
     Raises:
         RobotDescriptionError: If there is no such robot, its description or its URDF is
@@ -80,8 +101,15 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
     path = find_robot(model)
     file = read_robot_file(model)
     name = str(model) if str(model) in available_robots() else None
-    try:
+    with _naming(path):
         return _load(path, name, file)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Adds the file's name to an error."""
+    try:
+        yield
     except (RobotDescriptionError, ScenarioError) as error:
         raise RobotDescriptionError(
             error.field, error.value, f"{error.problem} (in {path})"
@@ -97,37 +125,36 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
         # With geometry, so that meshes are read, too.
         instance = add_urdf(plant, urdf, robot_name)
     except RuntimeError as error:
-        problem = f"Drake cannot read it: {error}"
-        raise RobotDescriptionError("urdf", str(urdf), problem) from error
-    check_names(plant, instance, file)
+        raise RobotDescriptionError("urdf", str(urdf), str(error)) from None
+    fit.check_names(plant, instance, file)
     leave_out_collisions(plant, instance, file.no_collisions)
     plant.Finalize()
-    diagram = builder.Build()
-    pelvis = check_base(plant, instance, file)
-    names = tuple(joint.name for joint in file.joints)
-    actuators = check_joints(plant, names, file.urdf)
-    joints = [plant.GetJointByName(joint) for joint in names]
-    lower = np.array([joint.position_lower_limits()[0] for joint in joints])
-    upper = np.array([joint.position_upper_limits()[0] for joint in joints])
-    velocity = np.array([joint.velocity_upper_limits()[0] for joint in joints])
-    effort = np.array([actuators[joint].effort_limit() for joint in names])
-    check_limits(names, lower, upper, velocity, effort)
-    check_pose(file, lower, upper)
+    root = builder.Build().CreateDefaultContext()
+    pelvis = fit.check_base(plant, file)
+    actuators = fit.check_joints(plant, file)
+    joints = [plant.GetJointByName(joint.name) for joint in file.joints]
+    limits = {
+        "lower position": [joint.position_lower_limit() for joint in joints],
+        "upper position": [joint.position_upper_limit() for joint in joints],
+        "velocity": [joint.velocity_upper_limit() for joint in joints],
+        "effort": [actuators[joint.name()].effort_limit() for joint in joints],
+    }
+    fit.check_limits(file, limits)
     legs = read_legs(plant, pelvis, file)
-    com_height = check_stance(plant, instance, file)
-    root = diagram.CreateDefaultContext()
-    check_overlaps(plant, plant.GetMyMutableContextFromRoot(root), file)
+    context = plant.GetMyMutableContextFromRoot(root)
+    com_height = fit.check_stand_prep(plant, instance, context, file)
+    lower, upper, velocity, effort = map(np.array, limits.values())
     return Robot(
         name=robot_name,
         path=path,
         model=name or str(path),
         file=file,
-        joint_names=names,
+        joint_names=tuple(joint.name for joint in file.joints),
         position_lower=lower,
         position_upper=upper,
         velocity_limit=velocity,
         effort_limit=effort,
-        mass=plant.CalcTotalMass(plant.CreateDefaultContext()),
+        mass=plant.CalcTotalMass(context),
         com_height=com_height,
         body_names=tuple(
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
@@ -141,39 +168,16 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
 
 
 def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
-    """Reads a robot's YAML file, and not its URDF.
-
-    Args:
-        model: As for ``find_robot``.
-
-    Raises:
-        RobotDescriptionError: If there is no such robot, or the file is faulty.
-    """
+    """Reads a robot's YAML file, and not its URDF."""
     path = find_robot(model)
-    try:
-        return _parsed(path.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        problem = f"{path} cannot be read: {error}"
-        raise RobotDescriptionError("file", str(path), problem) from error
-    except (RobotDescriptionError, ScenarioError) as error:
-        raise RobotDescriptionError(
-            error.field, error.value, f"{error.problem} (in {path})"
-        ) from None
+    with _naming(path):
+        return _parsed(read_file(path))
 
 
 @functools.lru_cache(maxsize=8)
 def _parsed(text: str) -> RobotFile:
     """Reads a robot's YAML text; cached, because each scenario needs its robot's."""
-    try:
-        raw = read_yaml(text) if text.strip() else None
-    except Exception as error:  # The parser raises many kinds of exception.
-        problem = f"cannot be read: {error}"
-        raise RobotDescriptionError("file", text, problem) from error
-    if not isinstance(raw, Mapping):
-        raise RobotDescriptionError(
-            "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
-        )
-    file: RobotFile = checked(RobotFile, raw, from_text=True)
+    file: RobotFile = checked(RobotFile, read_fields(text, "urdf: robot.urdf"))
     pushed = list(dict.fromkeys([file.pelvis, file.chest, *file.hands]))
     return replace(
         file,

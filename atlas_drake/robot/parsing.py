@@ -1,28 +1,38 @@
-"""Adds models from files to a plant with Drake's parser, and checks what it warns of.
+"""Adds models from files to a plant with Drake's parser, in its words where it fails.
 
 Drake replaces a mass or an inertia that cannot be by one that can, with a warning: here
 that is an error. Other warnings pass once of each kind, because a robot is parsed for
-every plant that models it, and an element that Drake does not know often occurs once
-per joint.
+every plant that models it.
 """
 
 from __future__ import annotations
 
 import logging
+import os
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from pydrake.multibody.parsing import Parser
+from pydrake.multibody.parsing import PackageMap, Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from atlas_drake.robot.packages import add_packages
+from atlas_drake.errors import RobotDescriptionError
 
-_LINE = re.compile(r":\d+:")
+LOCAL_MODELS = "ATLAS_DRAKE_MODELS"
+"""Environment variable that names a folder with the content of ``drake_models``."""
+LARGEST_MASS = 1e6
+"""Largest mass of a link [kg]."""
+_MODELS = "drake_models"
+_ADVICE = (
+    f"; set {LOCAL_MODELS} to a folder with the content of "
+    "https://github.com/RobotLocomotion/models, or let Drake fetch it over the network"
+)
+_LINE = re.compile(r":(\d+):")
 """A line's number, after the file's name."""
+_ELEMENT = re.compile(r"""<(link|joint|body)\b[^>]*?\bname=["']([^"']*)""")
 _PHYSICS = re.compile(r"warning: .*\b(mass|inertia|limit)\b", re.DOTALL)
 """A warning about a value that Drake replaces by another, or leaves out."""
 
@@ -30,97 +40,148 @@ _passed: set[str] = set()
 """Passed warnings of this process, each with its file and without its line."""
 
 
+def find_urdf(folder: Path, urdf: str) -> Path:
+    """Returns a robot's URDF file, named by its path from ``folder`` or by package."""
+    path = folder / urdf
+    if "://" in urdf:
+        try:
+            packages = PackageMap()
+            _add_packages(packages, path)
+            path = Path(packages.ResolveUrl(urdf))
+        except RuntimeError as error:
+            advice = _ADVICE if f"//{_MODELS}/" in urdf else ""
+            problem = f"{_one_line(str(error))}{advice}"
+            raise RobotDescriptionError("urdf", urdf, problem) from None
+    if not path.is_file():
+        raise RobotDescriptionError("urdf", urdf, f"there is no file {path}")
+    return path
+
+
+def models_at_hand() -> bool:
+    """Returns True if Drake's models are available without the network."""
+    local = _local_models()
+    if local is not None:
+        return local.is_dir()
+    # Drake's own order. If the cache holds another version, Drake fetches its own.
+    places = (("TEST_TMPDIR", ".cache"), ("XDG_CACHE_HOME", ""), ("HOME", ".cache"))
+    caches = [
+        Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)
+    ]
+    return any(any(cache.glob("drake/package_map/*/atlas")) for cache in caches)
+
+
+def _local_models() -> Path | None:
+    named = os.environ.get(LOCAL_MODELS)
+    return Path(named).expanduser().absolute() if named else None
+
+
+def _add_packages(packages: PackageMap, file: Path | None) -> None:
+    """Adds a local copy of Drake's models, the package above a file, and ROS' ones."""
+    local = _local_models()
+    if local is not None and local.is_dir():
+        packages.Remove(_MODELS)
+        packages.Add(_MODELS, str(local))
+    folders = [] if file is None else file.absolute().parents
+    manifests = (folder / "package.xml" for folder in folders)
+    nearest = next(filter(Path.is_file, manifests), None)
+    if nearest is not None:
+        packages.AddPackageXml(str(nearest))
+    packages.PopulateFromRosPackagePath()
+
+
 def parse(plant: MultibodyPlant, file: str | Path) -> list[ModelInstanceIndex]:
-    """Adds the models of a file to a plant that is not finalized yet.
+    """Adds the models of a path or a ``package://`` URL to a plant before Finalize.
 
-    Args:
-        plant: Plant to add to.
-        file: Path of the file, or a URL such as ``package://drake_models/...``.
-
-    Returns:
-        The models; those whose name is taken got another one.
+    Models whose name is taken get another one.
 
     Raises:
-        RuntimeError: If the file or a mesh is missing or faulty.
+        RuntimeError: In one line, if the file or a mesh is missing or faulty.
     """
     parser = Parser(plant)
     parser.SetAutoRenaming(True)
-    is_url = isinstance(file, str) and "://" in file
-    add_packages(parser.package_map(), None if is_url else Path(file))
-    with _checked_warnings():
-        try:
-            if is_url:
-                return parser.AddModels(url=file)
-            return parser.AddModels(Path(file))
-        except SystemExit as error:  # Drake's assertions.
-            reason = _reversed_limits(Path(file)) or str(error)
-            raise RuntimeError(reason) from error
+    path = None if "://" in str(file) else Path(file)
+    _add_packages(parser.package_map(), path)
+    if path is not None and path.suffix == ".urdf":
+        _check_numbers(path)
+    try:
+        with _faults() as faults:
+            if path is None:
+                models: list[ModelInstanceIndex] = parser.AddModels(url=str(file))
+            else:
+                models = parser.AddModels(path)
+    except (Exception, SystemExit) as error:  # Drake raises several kinds.
+        raise RuntimeError(_with_element(str(error))) from None
+    if faults:
+        raise RuntimeError(_with_element(faults[0]))
+    return models
 
 
-def _reversed_limits(file: Path) -> str:
-    """Tells which joint of a URDF has limits in the wrong order; empty for none."""
-    if file.suffix != ".urdf":
-        return ""
-    for joint in ElementTree.parse(file).iter("joint"):
-        limit = joint.find("limit")
-        if limit is None:
-            continue
-        name = joint.get("name")
-        lower, upper = (float(limit.get(end, 0.0)) for end in ("lower", "upper"))
-        if lower > upper:
-            return (
-                f"joint {name} has its lower limit {lower:g} above the upper {upper:g}"
-            )
-        for key, value in limit.items():
-            if key.endswith(("velocity", "acceleration")) and float(value) < 0.0:
-                return f"joint {name} has the {key} limit {value}; must not be below 0"
-    return ""
+def _check_numbers(urdf: Path) -> None:
+    """Checks numbers that Drake refuses without naming the link or the joint."""
+    try:
+        root = ElementTree.parse(urdf)
+        for link in root.iter("link"):
+            for mass in link.iterfind("inertial/mass"):
+                if not 0.0 <= float(mass.get("value", 0.0)) <= LARGEST_MASS:
+                    raise RuntimeError(
+                        f"link {link.get('name')} has the mass {mass.get('value')} kg; "
+                        f"must be above 0, and at most {LARGEST_MASS:g}"
+                    )
+        for joint in root.iter("joint"):
+            for limit in joint.iterfind("limit"):
+                ends = (limit.get(name, 0.0) for name in ("lower", "upper"))
+                lower, upper = map(float, ends)
+                if lower > upper or float(limit.get("velocity", 0.0)) < 0.0:
+                    given = ", ".join(f"{k} {v}" for k, v in limit.items())
+                    raise RuntimeError(
+                        f"joint {joint.get('name')} has the limits {given}; lower must "
+                        "not exceed upper, nor velocity be below 0"
+                    )
+    except (ElementTree.ParseError, ValueError):
+        return  # In Drake's words.
 
 
-class _Warnings(logging.Filter):
-    """Collects warnings about physics, and passes others once.
+def _with_element(said: str) -> str:
+    """Returns Drake's words in one line, with the link or joint at their line."""
+    file, line, words = (*_LINE.split(said, maxsplit=1), "", "")[:3]
+    path = Path(file)
+    if not (line and path.is_file()):
+        return _one_line(said)
+    above = "".join(path.read_text(errors="replace").splitlines(True)[: int(line)])
+    elements = _ELEMENT.findall(above)
+    where = " ".join(elements[-1]) if elements else path.name
+    return _one_line(f"{where}, line {line}: {words}")
 
-    Attributes:
-        faults: The collected warnings.
-        level: Least level of a record that passes.
-    """
 
-    def __init__(self, level: int) -> None:
-        super().__init__()
-        self.faults: list[str] = []
-        self.level = level
+def _one_line(text: str) -> str:
+    return " ".join(re.sub(r"\b(warning|error): ", "", text).split())
 
-    def filter(self, record: logging.LogRecord) -> bool:
+
+@contextmanager
+def _faults() -> Iterator[list[str]]:
+    """Collects what Drake only warns of, even where its log is silenced."""
+    logger, disabled = logging.getLogger("drake"), logging.root.manager.disable
+    level, found = logger.level, list[str]()
+    least = max(logger.getEffectiveLevel(), disabled + 1)
+
+    def passes(record: logging.LogRecord) -> bool:
         message = record.getMessage()
         if record.levelno == logging.WARNING:
             if _PHYSICS.search(message):
-                self.faults.append(message)
+                found.append(message)
                 return False
             kind = _LINE.sub(":", message, count=1)
             if kind in _passed:
                 return False
             _passed.add(kind)
-        return record.levelno >= self.level
+        return record.levelno >= least
 
-
-@contextmanager
-def _checked_warnings() -> Iterator[None]:
-    """Raises what Drake only warns of, even where its log is silenced.
-
-    Raises:
-        RuntimeError: With the warnings about physics.
-    """
-    logger, disabled = logging.getLogger("drake"), logging.root.manager.disable
-    level = logger.level
-    warnings = _Warnings(max(logger.getEffectiveLevel(), disabled + 1))
-    logger.addFilter(warnings)
+    logger.addFilter(passes)
     logging.disable(logging.NOTSET)
-    logger.setLevel(min(logger.getEffectiveLevel(), logging.WARNING))
+    logger.setLevel(min(least, logging.WARNING))
     try:
-        yield
+        yield found
     finally:
         logger.setLevel(level)
         logging.disable(disabled)
-        logger.removeFilter(warnings)
-    if warnings.faults:
-        raise RuntimeError("; ".join(warnings.faults))
+        logger.removeFilter(passes)

@@ -17,27 +17,19 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FrameIndex, ModelInstanceIndex
 
-from atlas_drake.errors import RobotDescriptionError, shown
+from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
-from atlas_drake.robot.file import ContactEntry, RobotFile
-from atlas_drake.robot.joint_constants import JointConstants
+from atlas_drake.robot.file import ContactEntry, JointEntry, RobotFile
 from atlas_drake.robot.leg import Leg
-from atlas_drake.robot.packages import find_urdf
-from atlas_drake.robot.parsing import parse
+from atlas_drake.robot.parsing import find_urdf, parse
 
 
 @dataclass(frozen=True)
 class PelvisParts:
-    """Parts of a plant's state [q; v] that belong to the free pelvis.
-
-    Attributes:
-        orientation: Quaternion, w first.
-        position: Position in W [m].
-        angular_velocity: Angular velocity in W [rad/s].
-        velocity: Velocity in W [m/s].
-    """
+    """Parts of a plant's state [q; v] that belong to the free pelvis, in W."""
 
     orientation: slice
+    """Quaternion, w first."""
     position: slice
     angular_velocity: slice
     velocity: slice
@@ -49,20 +41,37 @@ class PlantIndices:
 
     The robot's own vectors belong to its model instance: they are the same for a plant
     with other models and for a plant with the robot alone.
-
-    Attributes:
-        q: Index of each joint into the robot's positions, shape (n,).
-        v: Index of each joint into the robot's velocities, shape (n,).
-        actuation: Index of each joint into the robot's actuation, shape (n,).
-        generalized: The six base velocities, then ``v``: shape (6 + n,).
-        pelvis: The free pelvis, in the robot's state [q; v].
     """
 
     q: np.ndarray
+    """Into the robot's positions, shape (n,)."""
     v: np.ndarray
+    """Into the robot's velocities, shape (n,)."""
     actuation: np.ndarray
+    """Into the robot's actuation, shape (n,)."""
     generalized: np.ndarray
+    """The six base velocities, then ``v``: shape (6 + n,)."""
     pelvis: PelvisParts
+    """The free pelvis, in the robot's state [q; v]."""
+
+
+class JointConstants:
+    """Index of each joint in message order, by name and by alias, as attributes."""
+
+    def __init__(self, joints: Iterable[JointEntry]) -> None:
+        for index, joint in enumerate(joints):
+            # A joint without an alias has an empty one, which names nothing.
+            names = filter(None, (joint.name, joint.alias))
+            self.__dict__.update(dict.fromkeys(names, index))
+
+    def __getattr__(self, name: str) -> int:
+        """Refuses a name that no joint has; ``vars`` has those of the joints."""
+        hint = did_you_mean(name, vars(self))
+        raise AttributeError(f"the robot has no joint {name!r}.{hint}")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuses every change."""
+        raise AttributeError(f"{name}: the joints of a robot are constants")
 
 
 @dataclass(frozen=True)
@@ -142,31 +151,19 @@ class Robot:
     @cached_property
     def joints(self) -> JointConstants:
         """Indices of joints in messages as constants: ``robot.joints.l_arm_elx``."""
-        return JointConstants(self.name, self.file.joints)
+        return JointConstants(self.file.joints)
 
     def joint_index(self, name: str) -> int:
-        """Returns the index of a joint in the messages' arrays, by name or by alias.
-
-        Raises:
-            RobotDescriptionError: If the robot has no such joint.
-        """
-        for index, joint in enumerate(self.file.joints):
-            # The empty alias of a joint without an alias must not match.
-            if name and name in (joint.name, joint.alias):
-                return index
-        raise RobotDescriptionError(
-            "joint",
-            name,
-            f"robot '{self.name}' has no joint '{name}'; it has "
-            + ", ".join(self.joint_names),
-        )
+        """Returns the index of a joint in the messages' arrays, by name or by alias."""
+        index: int | None = vars(self.joints).get(name)
+        if index is None:
+            known = ", ".join(self.joint_names)
+            problem = f"robot '{self.name}' has no joint '{name}'; it has {known}"
+            raise RobotDescriptionError("joint", name, problem)
+        return index
 
     def contact(self, name: str) -> ContactEntry:
-        """Returns the contact of this name in the robot's file.
-
-        Raises:
-            RobotDescriptionError: If the file has no such contact.
-        """
+        """Returns the contact of this name in the robot's file."""
         for entry in self.file.contacts:
             if entry.name == name:
                 return entry
@@ -229,23 +226,14 @@ class Robot:
         """Finds the joints' indices in the robot's vectors of a finalized ``plant``."""
         instance = self.instance(plant)
         joints = [plant.GetJointByName(name, instance) for name in self.joint_names]
+        indices = plant.GetJointActuatorIndices(instance)
         starts = {
             actuator.joint().name(): actuator.input_start()
-            for actuator in (
-                plant.get_joint_actuator(index)
-                for index in plant.GetJointActuatorIndices(instance)
-            )
+            for actuator in map(plant.get_joint_actuator, indices)
         }
-        all_q, all_v, all_u = (
-            np.arange(count, dtype=float)
-            for count in (
-                plant.num_positions(),
-                plant.num_velocities(),
-                plant.num_actuated_dofs(),
-            )
-        )
-        own_q = _places(plant.GetPositionsFromArray(instance, all_q))
-        own_v = _places(plant.GetVelocitiesFromArray(instance, all_v))
+        own_q, own_v = map(_places, own_places(plant, self))
+        own_v = {index - plant.num_positions(): k for index, k in own_v.items()}
+        all_u = np.arange(plant.num_actuated_dofs(), dtype=float)
         own_u = _places(plant.GetActuationFromArray(instance, all_u))
         v = np.array([own_v[joint.velocity_start()] for joint in joints])
         base = plant.GetBodyByName(self.file.pelvis, instance)
@@ -271,12 +259,36 @@ def _places(own: np.ndarray) -> dict[int, int]:
     return {int(index): place for place, index in enumerate(own)}
 
 
-def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
-    """Parses a URDF file into ``plant`` as a model instance of this name.
+def own_places(plant: MultibodyPlant, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the places of the robot's positions and velocities in a plant's state."""
+    own, num_q = robot.instance(plant), plant.num_positions()
+    places = np.arange(plant.num_multibody_states(), dtype=float)
+    q = plant.GetPositionsFromArray(own, places[:num_q])
+    v = plant.GetVelocitiesFromArray(own, places[num_q:])
+    return q.astype(int), v.astype(int)
 
-    Raises:
-        RuntimeError: From Drake, if the file or a mesh is missing or faulty.
+
+def coordinates_beside(
+    plant: MultibodyPlant, robot: Robot
+) -> dict[str, dict[str, int]]:
+    """Finds the coordinates of a finalized plant that are not the robot's.
+
+    Maps ``q`` and ``v`` to places in the plant's state by name; empty for none.
     """
+    own = set(np.concatenate(own_places(plant, robot)).tolist())
+    names = [*plant.GetPositionNames(), *plant.GetVelocityNames()]
+    others = {name: place for place, name in enumerate(names) if place not in own}
+    num_q = plant.num_positions()
+    if not others:
+        return {}
+    return {
+        "q": {name: place for name, place in others.items() if place < num_q},
+        "v": {name: place for name, place in others.items() if place >= num_q},
+    }
+
+
+def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
+    """Parses a URDF file into ``plant`` as a model instance of this name."""
     instance = parse(plant, urdf)[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
@@ -288,21 +300,11 @@ def leave_out_collisions(
     instance: ModelInstanceIndex,
     pairs: Iterable[Sequence[str]],
 ) -> None:
-    """Lets the shapes of bodies pass through each other.
-
-    Args:
-        plant: Plant before Finalize; one without geometry stays as it is.
-        instance: The robot in the plant.
-        pairs: Pairs of bodies.
-    """
+    """Lets the shapes of pairs of bodies pass through each other (before Finalize)."""
     if not plant.geometry_source_is_registered():
         return
     filters = Parser(plant).scene_graph().collision_filter_manager()
     for pair in pairs:
-        one, other = (
-            GeometrySet(
-                plant.GetCollisionGeometriesForBody(plant.GetBodyByName(name, instance))
-            )
-            for name in pair
-        )
+        bodies = (plant.GetBodyByName(name, instance) for name in pair)
+        one, other = map(GeometrySet, map(plant.GetCollisionGeometriesForBody, bodies))
         filters.Apply(CollisionFilterDeclaration().ExcludeBetween(one, other))

@@ -5,15 +5,13 @@ The simulation is in ``simulation``.
 
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.scenario import (
-    Jitter,
-    Scenario,
-    Start,
+from atlas_drake.scenario.reading import (
     load_scenario,
     scenario_from,
     with_settings,
     with_values,
 )
+from atlas_drake.scenario.scenario import Jitter, Scenario, Start
 
 __all__ = [
     "Jitter",

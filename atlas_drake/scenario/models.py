@@ -14,14 +14,14 @@ from typing import Annotated, Any
 from annotated_types import Len
 from pydantic_core import core_schema
 from pydrake.common.schema import Transform
-from pydrake.common.yaml import yaml_dump, yaml_load_typed
+from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load_typed
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
-from atlas_drake.config import Configuration, joined
+from atlas_drake.config import Configuration, as_plain, joined, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
@@ -33,6 +33,11 @@ class Pose:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Describes to pydantic how a pose is read; its rotation has several forms."""
         return core_schema.no_info_plain_validator_function(_pose)
+
+
+@as_plain.register
+def _(pose: Transform) -> Any:
+    return read_yaml(yaml_dump_typed(pose))
 
 
 def _pose(value: Any) -> Transform:
@@ -72,46 +77,39 @@ class Model(Configuration):
     """True to fix the base body in W, at X_WB or at W's origin."""
 
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
-        """Add the models of the file to a plant that is not finalized yet.
+        """Adds the models of the file to a plant that is not finalized yet.
 
         Args:
             plant: Plant to add to.
             name: Name of the model, for a file with one model.
-            path: Path of this entry in its scenario; empty for names of fields alone.
-
-        Raises:
-            ScenarioError: Naming the field that cannot be used.
+            path: Path of this entry in its scenario, for errors.
         """
+
+        def refusal(field: str, problem: str) -> ScenarioError:
+            return ScenarioError(joined(path, field), getattr(self, field), problem)
+
         try:
             instances = parse(plant, self.file)
-        except Exception as error:  # Drake raises several kinds.
-            raise ScenarioError(
-                joined(path, "file"), self.file, f"cannot be read: {error}"
-            ) from error
+        except RuntimeError as error:
+            raise refusal("file", f"cannot be read: {error}") from None
         if len(instances) != 1:
             for field in ("name", "X_WB", "V_WB", "weld"):
                 if getattr(self, field):
-                    raise ScenarioError(
-                        joined(path, field),
-                        getattr(self, field),
-                        f"must not be given for a file of {len(instances)} models, "
-                        "which places them itself",
-                    )
+                    count = len(instances)
+                    raise refusal(field, f"is not for a file of {count} models")
             return
         try:
             plant.RenameModelInstance(instances[0], name)
-        except Exception as error:
-            raise ScenarioError(
-                joined(path, "name"), name, f"{name!r} is taken; give another name"
-            ) from error
+        except RuntimeError as error:
+            raise refusal("name", f"{name!r} is taken; give another name") from error
         X_WB = RigidTransform()
         if self.X_WB is not None:
             X_WB = self.X_WB.GetDeterministicValue()
         if self.weld:
-            base = self._base(plant, instances[0], joined(path, "weld"))
+            base = _base(plant, instances[0], joined(path, "weld"))
             plant.WeldFrames(plant.world_frame(), base.body_frame(), X_WB)
         elif self.X_WB is not None:
-            base = self._base(plant, instances[0], joined(path, "X_WB"))
+            base = _base(plant, instances[0], joined(path, "X_WB"))
             plant.SetDefaultFloatingBaseBodyPose(base, X_WB)
 
     def check(self) -> None:
@@ -119,9 +117,7 @@ class Model(Configuration):
         if not self.file:
             raise ScenarioError("file", self.file, "must be given")
         if "://" not in self.file and not Path(self.file).is_file():
-            raise ScenarioError(
-                "file", self.file, f"is {shown(self.file)}: no such file"
-            )
+            raise ScenarioError.about("file", self.file, "there is no such file")
         X_WB = self.X_WB
         if X_WB is not None and not (
             X_WB.IsDeterministic() and X_WB.base_frame in (None, "", "world")
@@ -137,48 +133,36 @@ class Model(Configuration):
         if self.V_WB is not None:
             _free_base(plant, "model", "V_WB")
 
-    @staticmethod
-    def _base(
-        plant: MultibodyPlant, instance: ModelInstanceIndex, path: str
-    ) -> RigidBody:
-        """Finds the one body of a model that is no joint's child."""
-        children = {
-            int(plant.get_joint(index).child_body().index())
-            for index in plant.GetJointIndices(instance)
-        }
-        bodies = [int(index) for index in plant.GetBodyIndices(instance)]
-        bases = [index for index in bodies if index not in children]
-        if len(bases) != 1:
-            raise ScenarioError(
-                path,
-                None,
-                f"needs a model with one base body, not {len(bases)}; leave the field "
-                "out for a file that welds its model to the world",
-            )
-        return next(
-            plant.get_body(index)
-            for index in plant.GetBodyIndices(instance)
-            if int(index) == bases[0]
+
+def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> RigidBody:
+    """Finds the one body of a model that is no joint's child."""
+    joints = map(plant.get_joint, plant.GetJointIndices(instance))
+    children = {int(joint.child_body().index()) for joint in joints}
+    bodies = map(plant.get_body, plant.GetBodyIndices(instance))
+    bases = [body for body in bodies if int(body.index()) not in children]
+    if len(bases) != 1:
+        problem = (
+            f"needs a model with one base body, not {len(bases)}; leave the field out "
+            "for a file that welds its model to the world"
         )
+        raise ScenarioError(path, None, problem)
+    return bases[0]
 
 
 def models_beside(models: Any, folder: Path) -> Any:
-    """Return the models of a YAML file with their files as seen from ``folder``."""
-    if not isinstance(models, list):
-        return models
-    return [
-        {**model, "file": str((folder / model["file"]).absolute())}
-        if isinstance(model, Mapping)
-        and isinstance(model.get("file"), str)
-        and model["file"]
-        and "://" not in model["file"]
-        else model
-        for model in models
-    ]
+    """Returns the models of a YAML file with their files as seen from ``folder``."""
+
+    def beside(model: Any) -> Any:
+        file = model.get("file") if isinstance(model, Mapping) else None
+        if not isinstance(file, str) or not file or "://" in file:
+            return model
+        return {**model, "file": str((folder / file).absolute())}
+
+    return list(map(beside, models)) if isinstance(models, list) else models
 
 
 def world_of(models: Sequence[Model]) -> list[WorldMaker]:
-    """Return callables that add the models of a scenario to a plant."""
+    """Returns callables that add the models of a scenario to a plant."""
     return [
         functools.partial(model.add_to, name=name, path=f"models[{index}]")
         for index, (model, name) in enumerate(zip(models, _names(models), strict=True))
@@ -188,7 +172,7 @@ def world_of(models: Sequence[Model]) -> list[WorldMaker]:
 def set_velocities(
     models: Sequence[Model], plant: MultibodyPlant, context: Context
 ) -> None:
-    """Give the models of a scenario their initial velocities in a plant's context."""
+    """Gives the models of a scenario their initial velocities in a plant's context."""
     for model, name in zip(models, _names(models), strict=True):
         if model.V_WB is not None:
             base = _free_base(plant, name, "V_WB")
@@ -197,7 +181,7 @@ def set_velocities(
 
 
 def _free_base(plant: MultibodyPlant, name: str, path: str) -> RigidBody:
-    """The floating base body of a model in a finalized plant."""
+    """Returns the floating base body of a model in a finalized plant."""
     instance = plant.GetModelInstanceByName(name)
     if not plant.HasUniqueFloatingBaseBody(instance):
         raise ScenarioError(path, name, "needs a model with one base body that is free")
@@ -205,7 +189,7 @@ def _free_base(plant: MultibodyPlant, name: str, path: str) -> RigidBody:
 
 
 def _names(models: Sequence[Model]) -> list[str]:
-    """Name each model: its own name, or its file's name with a number if needed."""
+    """Names each model: its own name, or its file's name with a number if needed."""
     names: list[str] = []
     for model in models:
         stem = name = model.name or Path(model.file).name.split(".")[0]

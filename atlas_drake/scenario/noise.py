@@ -57,17 +57,11 @@ encoders."""
 
 
 def noise_model(given: NoiseModel | str) -> NoiseModel:
-    """Returns the model of a name; anything but a text is returned as it is.
-
-    Raises:
-        ValueError: If no model has the name.
-    """
-    if not isinstance(given, str):
-        return given
-    if given not in NOISE_MODELS:
+    """Returns the model of a name; anything but a text is returned as it is."""
+    if isinstance(given, str) and given not in NOISE_MODELS:
         names = ", ".join(NOISE_MODELS)
         raise ValueError(f"is {shown(given)}; must be one of {names}, or fields")
-    return NOISE_MODELS[given]
+    return NOISE_MODELS[given] if isinstance(given, str) else given
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class Obstacle(Configuration):
     """Direction in which the obstacle lies ahead of that edge [rad]."""
 
     def blocks(self) -> list[Block]:
-        """Return the boxes, with poses in W."""
+        """Returns the boxes, with poses in W."""
         p_WO = np.array(self.position)
         X_WO = RigidTransform(RollPitchYaw(0.0, 0.0, self.yaw), p_WO)
         return [
@@ -49,7 +49,7 @@ class Obstacle(Configuration):
         ]
 
     def _blocks_O(self) -> list[Block]:
-        """The boxes, with poses in O."""
+        """Returns the boxes, with poses in O."""
         raise NotImplementedError
 
 
@@ -105,10 +105,8 @@ class Ramp(Obstacle):
     """Length of the landing behind the slope [m]; 0 leaves it out."""
 
     def _blocks_O(self) -> list[Block]:
-        run, rise = (
-            self.length * math.cos(self.angle),
-            self.length * math.sin(self.angle),
-        )
+        run = self.length * math.cos(self.angle)
+        rise = self.length * math.sin(self.angle)
         # Thick enough to hide the ground below the upper end. What is below the ground
         # touches nothing.
         thickness = max(rise * math.cos(self.angle), 0.02)
@@ -215,12 +213,8 @@ class Strewn(Obstacle):
             raise ScenarioError.about("sunk", self.sunk, problem)
         placed = len(self._places())
         if placed < self.number:
-            raise ScenarioError(
-                "number",
-                self.number,
-                f"is {self.number}; only {placed} bricks of {self.size} find room in "
-                f"an area of {self.area}",
-            )
+            problem = f"only {placed} bricks find room in an area of {self.area}"
+            raise ScenarioError.about("number", self.number, problem)
 
     def _blocks_O(self) -> list[Block]:
         depths = np.random.default_rng([self.seed, 1]).uniform(

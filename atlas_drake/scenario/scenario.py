@@ -3,7 +3,6 @@
 One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
-import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,7 +16,6 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.config import (
-    As,
     CheckedOnce,
     Configuration,
     NotNegative,
@@ -25,7 +23,7 @@ from atlas_drake.config import (
     Positive,
     as_plain,
     checked,
-    read_yaml,
+    read_as,
 )
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
@@ -37,23 +35,20 @@ from atlas_drake.errors import (
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside, read_robot_file
-from atlas_drake.scenario.drake_configs import (
+from atlas_drake.scenario.models import Model
+from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
+from atlas_drake.scenario.physics import (
     check_simulator_config,
     checked_plant_config,
-    plant_config,
-)
-from atlas_drake.scenario.models import Model, models_beside
-from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
-from atlas_drake.scenario.paths import is_path, put
-from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.terrain import START_REACH, Block, Place
-from atlas_drake.scenario.time_grid import (
     is_multiple,
     nominal_period,
     on_common_grid,
+    plant_config,
 )
+from atlas_drake.scenario.pushes import PlannedPush
+from atlas_drake.scenario.terrain import START_REACH, Block, Place
 from atlas_drake.scenario.timed_message import TimedMessage
-from atlas_drake.scenario.world_file import World, world_beside, world_from
+from atlas_drake.scenario.world_file import World, world_from
 
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.003
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
@@ -106,7 +101,7 @@ class Start(Configuration):
             )
 
     def check_behavior(self, behavior: Behavior) -> None:
-        """Checks that the robot can begin so with a behavior.
+        """Checks that the robot can begin so.
 
         Args:
             behavior: The behavior that is active at the start.
@@ -184,9 +179,9 @@ class Scenario(CheckedOnce):
     )
     """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
     adds, and the real-time rate. ``start_time`` is 0."""
-    controller: Annotated[ControllerConfig | Mapping[str, Any], As(dict[str, Any])] = (
-        field(default_factory=dict)
-    )
+    controller: Annotated[
+        ControllerConfig | Mapping[str, Any], read_as(dict[str, Any])
+    ] = field(default_factory=dict)
     """Gains, weights, limits and timings of the controller, such as
     ``gains: {dcm_gain: 2.5}``, those of behaviors of your own included. What is left
     out has the value of the robot's file, or else the default; a ``ControllerConfig``
@@ -197,7 +192,7 @@ class Scenario(CheckedOnce):
     """Friction coefficient of the ground [-]."""
     friction_jitter: NotNegative = 0.0
     """Half width of a uniform random variation of ``ground_friction`` [-]."""
-    world: Annotated[World | str | Mapping[str, Any], As(World)] = field(
+    world: Annotated[World | str | Mapping[str, Any], read_as(World)] = field(
         default_factory=World
     )
     """World around the robot, and start of the robot: a name from ``models/worlds``,
@@ -215,7 +210,7 @@ class Scenario(CheckedOnce):
     """Pushes on the robot, each at a time or at a phase of its gait."""
     noise: Annotated[
         NoiseModel | NoiseName,
-        As(NoiseModel),
+        read_as(NoiseModel),
         BeforeValidator(noise_model, json_schema_input_type=NoiseModel | NoiseName),
     ] = field(default_factory=NoiseModel)
     """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
@@ -248,9 +243,6 @@ class Scenario(CheckedOnce):
     def resolved(self, behaviors: Iterable[BehaviorEntry] = ()) -> "Scenario":
         """Returns a valid copy in which every field is as a simulation uses it.
 
-        A path of a robot's file is absolute, so that it is valid in another working
-        folder, too. Both steps stay as they were given, see ``on_time_grid``.
-
         Args:
             behaviors: Entries of the user's own behaviors.
 
@@ -269,11 +261,7 @@ class Scenario(CheckedOnce):
         ).mark_checked()
 
     def on_time_grid(self) -> "Scenario":
-        """Returns a resolved scenario with the steps that a station simulates.
-
-        Multiples of its physics step and its control period meet exactly, see
-        ``time_grid``; both differ from the given ones by a relative error below 1e-9.
-        """
+        """Returns a resolved scenario with steps whose multiples meet exactly."""
         step, period = on_common_grid(self.physics_step, self.control_period)
         plant = checked_plant_config(self.plant, step)
         return replace(
@@ -294,29 +282,26 @@ class Scenario(CheckedOnce):
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
+
+        def refuse(name: str, wanted: str) -> None:
+            value = getattr(self, name)
+            raise ScenarioError.about(name, value, f"must be {wanted}")
+
         self.controller_config()
         # A step on the common grid may be longer, by a relative error below 1e-9.
         if not SHORTEST_STEP <= round(self.physics_step, 10) <= LONGEST_STEP:
-            wanted = f"from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s"
-            raise self._refusal("physics_step", wanted)
+            refuse("physics_step", f"from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s")
         check_simulator_config(self.simulator)
         self.start.check_behavior(self.behavior())
         if round(self.control_period, 10) > LONGEST_PERIOD:
-            wanted = f"at most {LONGEST_PERIOD}: the robot cannot balance with more"
-            raise self._refusal("control_period", wanted)
+            refuse("control_period", f"at most {LONGEST_PERIOD} s, to keep balance")
         if not is_multiple(self.control_period, self.physics_step):
             step = f"physics_step ({self.physics_step} s)"
-            wanted = f"a whole multiple of {step}, or 0 for the default"
-            raise self._refusal("control_period", wanted)
+            refuse("control_period", f"a whole multiple of {step}, or 0")
         checked_plant_config(self.plant, self.physics_step)
         if not self.friction_jitter < self.ground_friction:
-            wanted = f"below the ground's friction ({self.ground_friction})"
-            raise self._refusal("friction_jitter", wanted)
+            refuse("friction_jitter", f"below ground_friction ({self.ground_friction})")
         self.mark_checked()
-
-    def _refusal(self, name: str, wanted: str) -> ScenarioError:
-        value = getattr(self, name)
-        return ScenarioError.about(name, value, f"must be {wanted}")
 
     def controller_config(
         self, behaviors: Iterable[BehaviorEntry] | None = None
@@ -330,18 +315,6 @@ class Scenario(CheckedOnce):
         Raises:
             ScenarioError: If there is no such robot, or a value cannot be used.
         """
-        if behaviors is None:
-            return self._known_config
-        return self._make_config(behaviors)
-
-    @functools.cached_property
-    def _known_config(self) -> ControllerConfig:
-        """The parameters but for those of the user's own behaviors."""
-        return self._make_config(None)
-
-    def _make_config(
-        self, behaviors: Iterable[BehaviorEntry] | None
-    ) -> ControllerConfig:
         if isinstance(self.controller, ControllerConfig):
             return self.controller
         try:
@@ -359,27 +332,22 @@ class Scenario(CheckedOnce):
         return robots.with_values(self.controller, behaviors)
 
     def surroundings(self) -> World:
-        """Return the world that ``world`` stands for.
-
-        Raises:
-            ScenarioError: If there is no such world, or it has a value that cannot be
-                used.
-        """
+        """Returns the world that ``world`` stands for."""
         return world_from(self.world)
 
     def all_terrain(self) -> list[Block]:
-        """Return the boxes of the world and those of the scenario, in this order."""
+        """Returns the boxes of the world, then those of the scenario."""
         return [*self.surroundings().terrain(), *self.terrain]
 
     def all_models(self) -> list[Model]:
-        """Return the models of the world and those of the scenario, in this order."""
+        """Returns the models of the world, then those of the scenario."""
         return [*self.surroundings().models, *self.models]
 
     def start_pose(self, start: Start | None = None) -> tuple[list[float], float]:
-        """Return where the robot begins: x and y of the pelvis [m], and yaw [rad].
+        """Returns x and y of the pelvis [m], and yaw [rad], where the robot begins.
 
         Args:
-            start: What does not say it has it from the world; None is the scenario's.
+            start: Has what it does not say from the world; None is the scenario's.
         """
         start, world = start or self.start, self.surroundings().start
         return (
@@ -388,11 +356,7 @@ class Scenario(CheckedOnce):
         )
 
     def behavior(self) -> Behavior:
-        """The initial behavior.
-
-        Raises:
-            ScenarioError: If a run cannot start in it.
-        """
+        """Returns the initial behavior."""
         try:
             return starting_behavior(self.initial_behavior, "initial_behavior")
         except InvalidMessageError as error:
@@ -404,12 +368,7 @@ class Scenario(CheckedOnce):
 def starting_behavior(
     value: object, name: str, catalog: BehaviorCatalog = SHIPPED
 ) -> Behavior:
-    """Finds a behavior that a run can start in.
-
-    Args:
-        value: Its name in any case, its number, or the behavior itself.
-        name: Name of the field, for the error.
-        catalog: The registered behaviors.
+    """Finds a behavior that a run can start in; ``name`` names its field in errors.
 
     Raises:
         InvalidMessageError: If there is no such behavior, or a run cannot start in it.
@@ -422,109 +381,3 @@ def starting_behavior(
             name, value, f"is {shown(value)}; must be one of {names}"
         )
     return behavior
-
-
-def load_scenario(path: str | Path) -> Scenario:
-    """Reads and validates one YAML file; fields left out have their defaults.
-
-    Args:
-        path: Path of the file.
-
-    Raises:
-        ScenarioError: If the file cannot be read, has unknown keys or bad values.
-    """
-    try:
-        text = Path(path).read_text()
-        raw = read_yaml(text) if text.strip() else None
-    except Exception as error:
-        # The parser raises many kinds of exception for a faulty file.
-        problem = f"{path} cannot be read: {error}"
-        raise ScenarioError("file", str(path), problem) from error
-    try:
-        if not isinstance(raw, Mapping):
-            raise ScenarioError(
-                "file", raw, "must have fields of a scenario, such as duration: 10"
-            )
-        return scenario_from(with_full_paths(raw, Path(path).parent))
-    except ScenarioError as error:
-        raise error.within(path) from None
-
-
-def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """Makes the files of robot, world and models relative to ``folder`` absolute."""
-    seen = dict(raw)
-    if isinstance(raw.get("model"), str):
-        seen["model"] = model_beside(raw["model"], folder)
-    if "world" in raw:
-        seen["world"] = world_beside(raw["world"], folder)
-    if "models" in raw:
-        seen["models"] = models_beside(raw["models"], folder)
-    return seen
-
-
-def scenario_from(
-    fields: Mapping[str, Any], default: Scenario | None = None
-) -> Scenario:
-    """Makes a scenario from the fields of a YAML file.
-
-    Args:
-        fields: Some or all fields, as YAML reads them.
-        default: Scenario with the values of omitted fields; None for the defaults. It
-            is not changed.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
-    """
-    base = Scenario() if default is None else default.validate()
-    present = base.surroundings()
-    base = replace(base, world=present)
-    if "world" in fields:
-        world = world_from(fields["world"], present)
-        fields = {**fields, "world": world}
-    made: Scenario = checked(Scenario, fields, base=base, from_text=True)
-    return made
-
-
-def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
-    """Returns a scenario with some fields set as on the command line.
-
-    Args:
-        scenario: Scenario with the values of all other fields.
-        settings: Such as ``controller.gains.dcm_gain=2.5`` or
-            ``pushes[0].impulse=30``: path and value as in YAML; of two for one field
-            the later counts.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
-    values: dict[str, Any] = {}
-    for setting in settings:
-        path, equals, text = setting.partition("=")
-        if not (equals and is_path(path)):
-            raise ScenarioError.about("--set", setting, "must be KEY.PATH=VALUE")
-        try:
-            value = read_yaml(text)
-        except Exception as error:  # The parser raises many kinds of exception.
-            problem = f"must be a value as in YAML: {error}"
-            raise ScenarioError.about(path, text, problem) from error
-        values.pop(path, None)
-        values[path] = value
-    return with_values(scenario, values)
-
-
-def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
-    """Returns a scenario with some fields set.
-
-    Args:
-        scenario: With all other fields.
-        values: As YAML has them, by path, such as ``jitter.mass`` or
-            ``terrain[1].friction``; set one after the other.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
-    fields: dict[str, Any] = {}
-    known = replace(scenario, controller=scenario.controller_config())
-    for path, value in values.items():
-        put(fields, path, value, known)
-    return scenario_from(fields, scenario)

@@ -68,13 +68,7 @@ class Block(Configuration):
 
 
 def surface_height(terrain: Iterable[Block], x: float, y: float) -> float:
-    """Computes the height of the highest surface above a point of the ground [m].
-
-    Args:
-        terrain: The boxes on the ground at z = 0.
-        x: Position of the point in W [m].
-        y: Position of the point in W [m].
-    """
+    """Computes the height of the highest surface above a point of the ground [m]."""
     heights = (_height_on(block, x, y) for block in terrain)
     return max((z for z in heights if z is not None), default=0.0)
 

@@ -6,7 +6,8 @@ The scheduler delivers them; the tutorial's own messages are in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,10 +50,7 @@ class TimedMessage(Configuration):
         given = [name for name in _KINDS if getattr(self, name)]
         if len(given) != 1:
             raise ScenarioError(
-                "",
-                given,
-                f"must have one of {' and '.join(_KINDS)}, not "
-                f"{'both' if given else 'neither'}",
+                "", given, f"must have exactly one of {' and '.join(_KINDS)}"
             )
         self._made(1, "")
 
@@ -62,51 +60,46 @@ class TimedMessage(Configuration):
         path: str,
         catalog: BehaviorCatalog = SHIPPED,
     ) -> AtlasCommand | AtlasSimInterfaceCommand:
-        """Return the message for a robot.
-
-        Args:
-            robot: The robot.
-            path: Where the message is in its scenario.
-            catalog: The behaviors that can be asked for.
+        """Returns the message for a robot; ``path`` is its place in the scenario.
 
         Raises:
             ScenarioError: If the robot would refuse the message; it names the field.
         """
-        name, made = self._made(robot.num_joints, path)
-        try:
+        made = self._made(robot.num_joints, path)
+        with self._naming(path):
             if isinstance(made, AtlasSimInterfaceCommand):
-                _take_params(made, catalog, f"{path}.{name}.params")
+                where = joined(path, f"{self._kind}.params")
+                _take_params(made, catalog, where)
             outcome = accept(made, robot, catalog)
             if isinstance(outcome, Refusal):
                 raise outcome.error
-        except InvalidMessageError as error:
-            raise ScenarioError(
-                f"{path}.{name}.{error.field}", error.value, error.problem
-            ) from None
         return made
 
-    def _made(self, num_joints: int, path: str) -> tuple[str, Any]:
-        """The message, not checked, and the name of its field."""
-        (name,) = (one for one in _KINDS if getattr(self, one))
+    @property
+    def _kind(self) -> str:
+        return next(name for name in _KINDS if getattr(self, name))
+
+    def _made(self, num_joints: int, path: str) -> Any:
+        """Makes the message, not checked."""
+        with self._naming(path):
+            plain = getattr(self, self._kind)
+            return message_from(_KINDS[self._kind], plain, num_joints=num_joints)
+
+    @contextmanager
+    def _naming(self, path: str) -> Iterator[None]:
+        """Names the place of a fault in the scenario."""
         try:
-            plain = getattr(self, name)
-            return name, message_from(_KINDS[name], plain, num_joints=num_joints)
+            yield
         except InvalidMessageError as error:
-            raise ScenarioError(
-                joined(path, f"{name}.{error.field}"), error.value, error.problem
-            ) from None
+            where = joined(path, f"{self._kind}.{error.field}")
+            raise ScenarioError(where, error.value, error.problem) from None
 
 
 def _take_params(
     message: AtlasSimInterfaceCommand, catalog: BehaviorCatalog, path: str
 ) -> None:
-    """Makes the parameters of a user's own behavior from their fields.
-
-    Raises:
-        InvalidMessageError: If there is no such behavior.
-        ScenarioError: Naming the first field that cannot be used.
-    """
+    """Makes the parameters of a user's own behavior from their fields."""
     entry = catalog.entry(catalog.find(message.behavior))
     reads_params = entry.params is not None and entry.params_field == "params"
     if reads_params and isinstance(message.params, Mapping):
-        message.params = checked(entry.params, message.params, path, from_text=True)
+        message.params = checked(entry.params, message.params, path)

@@ -2,8 +2,7 @@
 
 A world is a sequence of callables (plant) -> None. Each may add models to a plant that
 holds the robot and the ground, and is not finalized yet. The callables run for every
-plant that simulates or films the world, and so must add the same models each time. The
-check that the robot does not begin inside a model is here, too.
+plant that simulates or films the world, and so must add the same models each time.
 """
 
 from __future__ import annotations
@@ -27,30 +26,16 @@ class WorldError(AtlasError, ValueError):
 
 
 def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
-    """Return the callables of a world.
-
-    Raises:
-        WorldError: If it is not a list of callables.
-    """
-    if not isinstance(world, Iterable):
-        raise WorldError(
-            f"world must be a list of callables (plant) -> None, is {shown(world)}"
-        )
-    makers = tuple(world)
-    for index, add in enumerate(makers):
-        if not callable(add):
-            raise WorldError(
-                f"world[{index}] must be a callable (plant) -> None, is {shown(add)}"
-            )
+    """Returns the callables of a world, which must be a list of them."""
+    makers = tuple(world) if isinstance(world, Iterable) else ()
+    if not (isinstance(world, Iterable) and all(map(callable, makers))):
+        wanted = "a list of callables (plant) -> None"
+        raise WorldError(f"world must be {wanted}, is {shown(world)}")
     return makers
 
 
 def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
-    """Add everything beside robot and ground to a plant (before Finalize).
-
-    Raises:
-        WorldError: If one of them is not callable, or finalizes the plant.
-    """
+    """Adds everything beside robot and ground to a plant (before Finalize)."""
     for index, add in enumerate(listed(world)):
         add(plant)
         if plant.is_finalized():
@@ -60,7 +45,7 @@ def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
 def world_instances(
     plant: MultibodyPlant, robot: Robot
 ) -> dict[ModelInstanceIndex, str]:
-    """Return the models beside the robot that can move, with their names."""
+    """Returns the models beside the robot that can move, with their names."""
     own = robot.instance(plant)
     indices = map(ModelInstanceIndex, range(plant.num_model_instances()))
     return {
@@ -71,7 +56,7 @@ def world_instances(
 
 
 def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> None:
-    """Reset every model beside the robot to its default state; the robot's stays."""
+    """Resets every model beside the robot to its default state; the robot's stays."""
     instances = world_instances(plant, robot)
     if not instances:
         return
@@ -82,27 +67,22 @@ def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> Non
 
 
 class Overlap(NamedTuple):
-    """A body of the robot that is inside something else.
-
-    Attributes:
-        body: Of the robot, by name.
-        model: Name of the other model, or of the geometry if it is the world's own.
-        depth: Length of the shortest way out [m].
-    """
+    """A body of the robot that is inside something else."""
 
     body: str
     model: str
+    """Name of the other model, or of the geometry if it is the world's own."""
     depth: float
+    """Length of the shortest way out [m]."""
 
 
 def overlaps_with_world(
     plant: MultibodyPlant, context: Context, robot: Robot, but: Collection[str] = ()
 ) -> list[Overlap]:
-    """Return where the robot is inside other models; a touch is a small depth.
+    """Returns where the robot is inside other models; a touch is a small depth.
 
-    Geometries of the world body whose names are in ``but`` do not count. Where the
-    context is not part of that of a diagram with the scene graph, nothing is known, and
-    nothing returned.
+    Geometries of the world body whose names are in ``but`` do not count. Without a
+    scene graph around the context nothing is known, and nothing returned.
     """
     port = plant.get_geometry_query_input_port()
     if not port.HasValue(context):

@@ -6,22 +6,32 @@ path. What callables add to a plant is in ``world``.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.config import Configuration, Vector, checked, read_yaml
-from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.robot.data_file import file_beside, find_data_file
-from atlas_drake.robot.load import MODELS_FOLDER
+from atlas_drake.config import (
+    Configuration,
+    Vector,
+    checked,
+    read_fields,
+    read_file,
+)
+from atlas_drake.errors import ScenarioError
+from atlas_drake.robot.load import (
+    MODELS_FOLDER,
+    file_beside,
+    find_data_file,
+    names_in,
+)
 from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
 from atlas_drake.scenario.terrain import Block, Place
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
 DEFAULT_WORLD = "level"
-_OBSTACLES = ("stairs", "ramp", "blocks", "strewn")
 
 
 @dataclass(frozen=True)
@@ -81,116 +91,77 @@ class World(Configuration):
     """Bricks at random."""
 
     def terrain(self) -> list[Block]:
-        """Return all boxes, those of obstacles included."""
-        obstacles = [getattr(self, name) for name in _OBSTACLES]
+        """Returns all boxes, those of obstacles included."""
+        obstacles = [self.stairs, self.ramp, self.blocks, self.strewn]
         given = [one for one in obstacles if one is not None]
         return [*self.boxes, *(block for one in given for block in one.blocks())]
 
 
 def available_worlds() -> list[str]:
-    """Names of the worlds that come with the package, the default first."""
-    names = sorted(path.stem for path in WORLDS_FOLDER.glob("*.yaml"))
-    return sorted(names, key=lambda name: name != DEFAULT_WORLD)
+    """Lists the names of the worlds in the package, the default first."""
+    return names_in(WORLDS_FOLDER, DEFAULT_WORLD)
 
 
-def find_world(name: str | Path) -> Path:
-    """Return the YAML file of a world, absolute.
+def world_beside(world: Any, folder: Path) -> Any:
+    """Returns what a scenario's file says of its world, with paths from ``folder``."""
+    if isinstance(world, str):
+        return file_beside(world, folder, available_worlds())
+    if not isinstance(world, Mapping):
+        return world
+    seen = dict(world)
+    if "name" in world:
+        seen["name"] = world_beside(world["name"], folder)
+    if "models" in world:
+        seen["models"] = models_beside(world["models"], folder)
+    return seen
+
+
+def load_world(name: str | Path = DEFAULT_WORLD) -> World:
+    """Reads one world.
 
     Args:
         name: From ``available_worlds``, or the path of a YAML file, relative to the
             working folder.
 
     Raises:
-        ScenarioError: If there is no such world.
-    """
-    return find_data_file(
-        name,
-        WORLDS_FOLDER,
-        available_worlds(),
-        "world",
-        lambda problem: ScenarioError("world", str(name), problem),
-    )
-
-
-def world_beside(world: Any, folder: Path) -> Any:
-    """Return what a scenario's file says of its world, with paths from ``folder``."""
-    if isinstance(world, Mapping):
-        fields_given = {**world, "models": models_beside(world.get("models"), folder)}
-        fields_given = {name: fields_given[name] for name in world}
-        if "name" in world:
-            fields_given["name"] = world_beside(world["name"], folder)
-        return fields_given
-    if not isinstance(world, str):
-        return world
-    return file_beside(world, folder, available_worlds())
-
-
-def load_world(name: str | Path = DEFAULT_WORLD) -> World:
-    """Read one world.
-
-    Args:
-        name: As for ``find_world``.
-
-    Raises:
         ScenarioError: If there is no such world, or its file is faulty.
     """
-    path = find_world(name)
+    names = available_worlds()
+    fault = functools.partial(ScenarioError, "world", str(name))
+    path = find_data_file(name, WORLDS_FOLDER, names, "world", fault)
     try:
-        return _load(path, str(name) if str(name) in available_worlds() else str(path))
+        raw = read_fields(read_file(path), "boxes: []")
+        if "name" in raw:
+            problem = "is not for the file: the file's own name is it"
+            raise ScenarioError("world.name", raw["name"], problem)
+        known = str(name) if str(name) in names else str(path)
+        raw = world_beside(raw, path.parent) | {"name": known}
+        world: World = checked(World, raw, "world")
     except ScenarioError as error:
         raise error.within(path) from None
+    return world
 
 
 def world_from(given: Any, present: World | None = None) -> World:
-    """Make a world of what a scenario has in its field ``world``.
+    """Makes a world of what a scenario has in its field ``world``.
 
-    Args:
-        given: A ``World``; a name or a path; or a mapping of fields, of which ``name``
-            says whose values the fields left out have.
-        present: Has the fields left out where no name is given; None is level ground.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
+    Fields that a mapping leaves out are those of the world of its ``name``, or else of
+    the one that is ``present``; None is level ground.
     """
     if isinstance(given, World):
         return given
     if isinstance(given, str | Path):
         return load_world(given)
     if not isinstance(given, Mapping):
-        raise ScenarioError(
-            "world",
-            given,
-            f"is {shown(given)}; must be a world's name, such as {DEFAULT_WORLD}, the "
-            "path of its file, or fields such as {name: stairs}",
-        )
+        problem = "must be a world's name, the path of its file, or fields"
+        raise ScenarioError.about("world", given, problem)
     base = World() if present is None else present
     # A log has all fields: such a world does not need the file that it came from.
     if "name" in given and not {one.name for one in fields(World)} <= set(given):
         name = given["name"]
         if not isinstance(name, str | Path):
-            raise ScenarioError("world.name", name, f"is {shown(name)}; must be a word")
+            raise ScenarioError.about("world.name", name, "must be a word")
         base = load_world(name)
         given = {**given, "name": base.name}
-    world: World = checked(World, given, "world", base=base, from_text=True)
-    return world
-
-
-def _load(path: Path, name: str) -> World:
-    try:
-        text = path.read_text()
-        raw = read_yaml(text) if text.strip() else None
-    except Exception as error:
-        # The parser raises many kinds of exception for what is always a faulty file.
-        raise ScenarioError("world", str(path), f"cannot be read: {error}") from error
-    if not isinstance(raw, Mapping):
-        raise ScenarioError(
-            "world", raw, "must have fields of a world, such as boxes: []"
-        )
-    if "name" in raw:
-        raise ScenarioError(
-            "world.name", raw["name"], "is not for the file: the file's own name is it"
-        )
-    if "models" in raw:
-        raw = {**raw, "models": models_beside(raw["models"], path.parent)}
-    world: World = checked(World, {**raw, "name": name}, "world", from_text=True)
+    world: World = checked(World, given, "world", base=base)
     return world

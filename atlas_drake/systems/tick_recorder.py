@@ -39,7 +39,7 @@ from atlas_drake.records.plain import to_plain
 from atlas_drake.records.schema import GROUPS, OPTIONAL, Schema
 from atlas_drake.records.tick_record import TickRecord
 from atlas_drake.robot import Robot
-from atlas_drake.robot.coordinates import coordinates_beside
+from atlas_drake.robot.robot import coordinates_beside
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.imu_model import ImuModel
 from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS, answer

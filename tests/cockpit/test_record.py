@@ -10,7 +10,7 @@ from atlas_drake.cockpit.record import brief, planned_push
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceCommand
 from atlas_drake.messages.plain import message_from
 from atlas_drake.records.plain import to_plain
-from atlas_drake.scenario.scenario import scenario_from
+from atlas_drake.scenario import scenario_from
 
 NEAR = 0.005
 """Joints hear a message a physics step earlier from a scenario: what ends nearer than

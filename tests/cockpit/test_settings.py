@@ -13,9 +13,8 @@ from atlas_drake.cockpit.next_run import NextRun
 from atlas_drake.cockpit.operator import Operator
 from atlas_drake.cockpit.setting_list import list_settings, settings_card
 from atlas_drake.cockpit.settings import matching, text_of
-from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.scenario import scenario_from, with_settings
-from atlas_drake.scenario.scenario_yaml import scenario_yaml
+from atlas_drake.scenario import Scenario, scenario_from, with_settings
+from atlas_drake.scenario.differences import scenario_yaml
 from atlas_drake.scenario.world import WorldError
 
 GAIN = "controller.gains.dcm_gain"

@@ -330,14 +330,15 @@ def test_its_configuration_is_where_those_of_shipped_behaviors_are(tmp_path):
     file = tmp_path / "short.yaml"
     text = (MODELS_FOLDER / "atlas.yaml").read_text()
     text = text.replace("urdf: ", f"urdf: {MODELS_FOLDER}/")
-    file.write_text(f"{text}controller: {{rest: {{depth: 0.3, name: short}}}}\n")
+    rest = "controller:\n  rest: {depth: 0.3, name: short}\n"
+    file.write_text(text.replace("controller:\n", rest))
     scenario = Scenario(model=str(file), controller={"rest": {"depth": 0.5}})
     sim = AtlasSimulation(scenario, behaviors=[entry])
     assert told == [RestConfig(depth=0.5, name="short")]
     # A log has every value.
     written = as_plain(sim.scenario)["controller"]
     assert written["rest"] == {"depth": 0.5, "name": "short"}
-    assert written["walk"]["limits"]["forward"] == 0.42
+    assert written["walk"]["limits"]["forward"] == 0.58
     make_atlas_station(sim.robot, behaviors=[entry])
     assert told[1:] == [RestConfig(depth=0.3, name="short")]
 

@@ -27,7 +27,7 @@ from atlas_drake.messages.controller_status import (
 )
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep
-from atlas_drake.scenario.scenario import with_settings
+from atlas_drake.scenario import with_settings
 from atlas_drake.simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 

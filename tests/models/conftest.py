@@ -7,15 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydrake.geometry import HalfSpace, SceneGraph
+from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import (
-    AddMultibodyPlant,
-    CoulombFriction,
-    MultibodyPlant,
-    MultibodyPlantConfig,
-)
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
@@ -24,13 +19,10 @@ from atlas_drake.robot import load_robot
 MODELS = Path(__file__).parents[2] / "models"
 ROBOTS = ("atlas", "atlas_v3")
 
-TIME_STEP = 0.002
-GROUND_FRICTION = 0.9
-
 
 @dataclass
 class LoadedRobot:
-    """One robot in a diagram of its own, with or without a ground to stand on."""
+    """One robot in a diagram of its own."""
 
     name: str
     diagram: Diagram
@@ -77,36 +69,14 @@ class LoadedRobot:
         ]
 
 
-def load(name: str, *, ground: bool = False) -> LoadedRobot:
-    """Loads one robot."""
-    builder = DiagramBuilder()
-    config = MultibodyPlantConfig(
-        time_step=TIME_STEP, discrete_contact_approximation="lagged"
-    )
-    plant, scene_graph = AddMultibodyPlant(config, builder)
-    (instance,) = Parser(plant).AddModels(str(MODELS / f"{name}.urdf"))
-    if ground:
-        plant.RegisterCollisionGeometry(
-            plant.world_body(),
-            RigidTransform(),
-            HalfSpace(),
-            "ground",
-            CoulombFriction(GROUND_FRICTION, GROUND_FRICTION),
-        )
-    plant.Finalize()
-    return LoadedRobot(name, builder.Build(), plant, scene_graph, instance)
-
-
 @pytest.fixture(params=ROBOTS, scope="package")
 def robot(request: pytest.FixtureRequest) -> LoadedRobot:
-    """Each robot in turn, without a ground; each test sets the pose it needs."""
-    return load(request.param)
-
-
-@pytest.fixture(params=ROBOTS)
-def grounded_robot(request: pytest.FixtureRequest) -> LoadedRobot:
-    """Each robot in turn, freshly loaded, above a ground at z = 0."""
-    return load(request.param, ground=True)
+    """Each robot in turn; each test sets the pose it needs."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.002)
+    (instance,) = Parser(plant).AddModels(str(MODELS / f"{request.param}.urdf"))
+    plant.Finalize()
+    return LoadedRobot(request.param, builder.Build(), plant, scene_graph, instance)
 
 
 @pytest.fixture(scope="session")

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from pydrake.geometry import Role, Sphere
-from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.systems.analysis import Simulator
+from pydrake.math import RigidTransform
 
 LEG = ("leg_hpz", "leg_hpx", "leg_hpy", "leg_kny", "leg_aky", "leg_akx")
 ARM = ("arm_shy", "arm_shx", "arm_ely", "arm_elx", "arm_wry", "arm_wrx")
@@ -202,42 +201,3 @@ def test_hand_collides_with_what_it_can_reach(robot, pair, arm):
     pose[first : first + len(arm)] = arm
     robot.set_pose(pose, RigidTransform())
     assert pair in robot.colliding()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("roll", "pitch"),
-    [(0.0, 0.0), (0.0, 0.3), (0.0, -0.3), (0.3, 0.0)],
-    ids=["straight", "forward", "backward", "right"],
-)
-def test_a_robot_without_torque_comes_to_lie_on_the_ground(
-    grounded_robot, stand_prep, roll, pitch
-):
-    robot = grounded_robot
-    tilt = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix()
-    robot.set_pose(stand_prep, RigidTransform(tilt, [0.0, 0.0, 0.0]))
-    soles = (robot.plant.GetFrameByName(f"{side}_sole") for side in "lr")
-    corners = np.array(
-        [[x, y, 0.0] for x in (-0.13, 0.13) for y in (-0.0624435, 0.0624435)]
-    ).T
-    world = robot.plant.world_frame()
-    lowest = min(
-        robot.plant.CalcPointsPositions(robot.plant_context, sole, corners, world)[
-            2
-        ].min()
-        for sole in soles
-    )
-    robot.set_pose(stand_prep, RigidTransform(tilt, [0.0, 0.0, -lowest]))
-    zero = np.zeros(robot.plant.num_actuators())
-    robot.plant.get_actuation_input_port().FixValue(robot.plant_context, zero)
-
-    simulator = Simulator(robot.diagram, robot.context)
-    simulator.AdvanceTo(2.0)
-
-    heights = {}
-    for index in robot.plant.GetBodyIndices(robot.instance):
-        body = robot.plant.get_body(index)
-        X_WB = robot.plant.EvalBodyPoseInWorld(robot.plant_context, body)
-        heights[body.name()] = X_WB.translation()[2]
-    assert heights["pelvis"] < 0.6, "it should have fallen"
-    assert {name: z for name, z in heights.items() if z < 0.0} == {}

@@ -51,31 +51,56 @@ def test_the_legs_have_the_closed_form(heron, foot):
 
 
 WAIST = '<limit lower="-1" upper="1" effort="80" velocity="8" />'
+HIPS, THIGH = '<link name="hips">', '<link name="left_thigh">'
+
+
+def with_mesh(link, kind, mesh):
+    shape = f'<{kind}><geometry><mesh filename="{mesh}"/></geometry></{kind}>'
+    return link, link + shape
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "words"),
+    ("words", "change"),
     [
-        ('<mass value="8"', '<mass value="-5"', "mass > 0"),
-        ('<mass value="8"', '<mass value="0"', "mass > 0"),
-        ('ixx="0.04533"', 'ixx="-1"', "at least one is negative"),
-        ('ixx="0.04533"', 'ixx="100"', "triangle inequality"),
-        (
-            WAIST,
-            WAIST.replace("-1", "9"),
-            "waist_yaw .* lower limit 9 above the upper 1",
-        ),
-        (WAIST, WAIST.replace('"8"', '"-8"'), "waist_yaw has the velocity limit -8"),
+        ("link hips", ('<mass value="8"', '<mass value="1e300"')),
+        ("link hips", ('<mass value="8"', '<mass value="1e12"')),
+        ("link hips", ('<mass value="8"', '<mass value="-5"')),
+        ("link hips", ('<mass value="8"', '<mass value="0"')),
+        ("link hips", ('<mass value="8"', '<mass value="nan"')),
+        ("link hips", ('<mass value="8"', '<mass value="heavy"')),
+        ("link hips", ('ixx="0.04533"', 'ixx="-1"')),
+        ("link hips", ('ixx="0.04533"', 'ixx="100"')),
+        ("link hips", with_mesh(HIPS, "visual", "gone.obj")),
+        ("link left_thigh", with_mesh(THIGH, "collision", "gone.obj")),
+        ("link left_thigh", with_mesh(THIGH, "visual", "package://none/gone.obj")),
+        ("joint waist_yaw", (WAIST, WAIST.replace("-1", "9"))),
+        ("joint waist_yaw", (WAIST, WAIST.replace('"8"', '"-8"'))),
+        ("hipz", ('<parent link="hips"', '<parent link="hipz"')),
+        ("XML", ("</robot>", "")),
     ],
 )
-def test_values_that_drake_would_replace_or_abort_at_are_refused(
-    copied, caplog, old, new, words
+def test_a_faulty_urdf_is_refused_in_one_line_that_names_the_part(
+    copied, caplog, words, change
 ):
     # As in a campaign, which silences Drake's warnings.
     caplog.set_level(logging.CRITICAL, logger="drake")
-    with pytest.raises(RobotDescriptionError, match=words) as caught:
-        load_robot(copied((old, new)))
+    path = copied(change)
+    with pytest.raises(RobotDescriptionError) as caught:
+        load_robot(path)
     assert caught.value.field == "urdf"
+    said = str(caught.value)
+    assert words in said
+    assert str(path) in said
+    assert "\n" not in said
+
+
+def test_drakes_other_warnings_are_given_once(copied, caplog):
+    unknown = '<safety_controller k_velocity="1" />\n    <axis xyz="0 1 0" />'
+    path = copied(('<axis xyz="0 1 0" />', unknown))
+    with caplog.at_level(logging.WARNING, logger="drake"):
+        assert load_robot(path).plant.is_finalized()
+    (warning,) = [r for r in caplog.records if "safety_controller" in r.getMessage()]
+    assert "heron.urdf" in warning.getMessage()
 
 
 INSIDE = (
@@ -107,15 +132,15 @@ def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(cop
 
 
 @pytest.mark.parametrize(
-    ("pairs", "words"),
-    [("[[hips]]", "at least 2 items, not 1"), ("[[hips, nose]]", "no body 'nose'")],
+    ("pairs", "field"),
+    [("[[hips]]", "no_collisions[0]"), ("[[hips, nose]]", "no_collisions[0][1]")],
 )
-def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
+def test_pairs_that_do_not_exist_are_refused(copied, pairs, field):
     path = copied()
     path.write_text(f"{path.read_text()}\nno_collisions: {pairs}\n")
-    with pytest.raises(RobotDescriptionError, match=words) as caught:
+    with pytest.raises(RobotDescriptionError) as caught:
         load_robot(path)
-    assert caught.value.field == "no_collisions[0]"
+    assert caught.value.field == field
 
 
 HIPS_ASIDE = [
@@ -140,75 +165,48 @@ def test_legs_may_hang_beside_the_hips_center(copied, foot):
 
 
 SHANK = '<child link="left_shank" />\n    <origin xyz="0 0 -0.32"'
-LAYOUTS = {
-    "the hip's axes in another order": (
+UNUSABLE = {
+    "left_hip_yaw, the hip z, turns about": (
         '<origin xyz="0 0.09 0" />\n    <axis xyz="0 0 1" />',
         '<origin xyz="0 0.09 0" />\n    <axis xyz="1 0 0" />',
-        r"left_hip_yaw, the hip z, turns about \[1\. 0\. 0\.\]",
     ),
-    "a knee to the side": (
-        SHANK,
-        SHANK.replace("0 0 -", "0 0.02 -"),
-        "left_knee lies beside the plane of left_hip_pitch",
-    ),
-    "hip joints apart": (
+    "left_knee lies beside": (SHANK, SHANK.replace("0 0 -", "0 0.02 -")),
+    "right_hip_roll does not meet right_hip_yaw": (
         'link="right_hip_roll_link" />\n    <origin xyz="0 0 0"',
         'link="right_hip_roll_link" />\n    <origin xyz="0.05 0 0"',
-        "right_hip_roll does not meet right_hip_yaw in one point",
     ),
-    "a shin bent at zero": (
-        SHANK,
-        f'{SHANK} rpy="0 0.2 0"',
-        "left_knee is not parallel to the pelvis",
-    ),
-    "toes that look inward": (
+    "left_knee is not parallel": (SHANK, f'{SHANK} rpy="0 0.2 0"'),
+    "left_sole is not parallel": (
         'link="left_foot" xyz="0.03 0 -0.07" rpy="0 0 0"',
         'link="left_foot" xyz="0.03 0 -0.07" rpy="0 0 -0.1"',
-        "left_sole is not parallel to the pelvis",
     ),
-}
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_legs_of_another_layout_are_refused(copied, layout):
-    old, new, message = LAYOUTS[layout]
-    path = copied((old, new))
-    with pytest.raises(RobotDescriptionError, match=message) as caught:
-        load_robot(path)
-    assert str(path) in str(caught.value)
-    assert "hip z, hip x, hip y, knee y, ankle y, ankle x" in str(caught.value)
-
-
-UNUSABLE = {
-    "no limit of speed": (' velocity="8"', "", "waist_yaw has the velocity limit inf"),
-    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "zero effort"),
-    "a slider": (
+    "waist_yaw has the velocity limit inf": (' velocity="8"', ""),
+    "zero effort": ('effort="80" vel', 'effort="0" vel'),
+    "waist_yaw is prismatic": (
         '"waist_yaw" type="revolute"',
         '"waist_yaw" type="prismatic"',
-        "joint waist_yaw of heron.urdf is prismatic; must be revolute",
     ),
-    "a loose part": (
+    "ball": (
         "</robot>",
         '<link name="ball"><inertial><mass value="1" /><inertia ixx="1" iyy="1" '
         'izz="1" ixy="0" ixz="0" iyz="0" /></inertial></link></robot>',
-        "free in the world are ball, hips; the pelvis, hips, must",
     ),
-    "an idle joint": (
+    "waist_yaw has no <transmission>": (
         '<transmission name="waist_yaw_transmission">\n'
         "    <type>transmission_interface/SimpleTransmission</type>\n"
         '    <joint name="waist_yaw" />\n    <actuator name="waist_yaw" />\n'
         "  </transmission>",
         "",
-        "different actuated joints: waist_yaw; list each joint that has",
     ),
 }
 
 
-@pytest.mark.parametrize("fault", UNUSABLE)
-def test_joints_that_cannot_be_commanded_are_refused(copied, fault):
-    old, new, message = UNUSABLE[fault]
-    with pytest.raises(RobotDescriptionError, match=message):
-        load_robot(copied((old, new)))
+@pytest.mark.parametrize("words", UNUSABLE)
+def test_what_the_controller_cannot_command_is_refused(copied, words):
+    path = copied(UNUSABLE[words])
+    with pytest.raises(RobotDescriptionError, match=words) as caught:
+        load_robot(path)
+    assert str(path) in str(caught.value)
 
 
 def test_messages_are_as_long_as_the_robot_has_joints(heron):

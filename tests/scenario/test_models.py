@@ -48,24 +48,33 @@ def test_the_example_has_a_ball_and_a_ramp():
     np.testing.assert_array_equal(sim.output("ball.state"), ball)
 
 
-@pytest.mark.parametrize("mass", ["0", "-1"])
-def test_a_model_without_mass_is_refused(tmp_path, mass):
-    file = tmp_path / "ball.sdf"
-    text = Path(BALL).read_text()
-    file.write_text(re.sub("<mass>.*?</mass>", f"<mass>{mass}</mass>", text))
-    with pytest.raises(ScenarioError, match=r"models\[0\]\.file.*mass > 0"):
-        Scenario(models=[Model(file=str(file))]).validate()
+DOOR = (
+    '<mujoco model="door"><worldbody><body name="door"><joint name="hinge" '
+    'type="hinge" range="1 -1" limited="true"/><geom type="box" size="1 1 1" '
+    'mass="1"/></body></worldbody></mujoco>'
+)
+MASSLESS = re.sub("<mass>.*?</mass>", "<mass>MASS</mass>", Path(BALL).read_text())
 
 
-def test_joint_limits_in_the_wrong_order_are_refused(tmp_path):
-    file = tmp_path / "door.xml"
-    file.write_text(
-        '<mujoco model="door"><worldbody><body name="door"><joint name="hinge" '
-        'type="hinge" range="1 -1" limited="true"/><geom type="box" size="1 1 1" '
-        'mass="1"/></body></worldbody></mujoco>'
-    )
-    with pytest.raises(ScenarioError, match=r"models\[0\]\.file.*limits"):
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("ball.sdf", MASSLESS.replace("MASS", "0"), "ball"),
+        ("ball.sdf", MASSLESS.replace("MASS", "-1"), "ball"),
+        # Limits in the wrong order.
+        ("door.xml", DOOR, "limits"),
+    ],
+)
+def test_a_model_that_drake_would_change_or_abort_at_is_refused(
+    tmp_path, name, text, words
+):
+    file = tmp_path / name
+    file.write_text(text)
+    with pytest.raises(ScenarioError) as error:
         Scenario(models=[Model(file=str(file))]).validate()
+    assert error.value.field == "models[0].file"
+    assert words in error.value.problem
+    assert "\n" not in error.value.problem
 
 
 def test_models_of_one_file_get_names_of_their_own(tmp_path):
@@ -93,9 +102,9 @@ def test_models_of_one_file_get_names_of_their_own(tmp_path):
         ({"file": BALL, "X_WB": {"translatio": [1, 2, 3]}}, "X_WB", "translatio"),
         ({"file": BALL, "X_WB": [1, 2, 3]}, "X_WB", "a pose"),
         ({"file": BALL, "X_WB": {"base_frame": "pelvis"}}, "X_WB", "one pose in W"),
-        ({"file": BALL, "V_WB": [1, 2, 3]}, "V_WB", "at least 6 items, not 3"),
+        ({"file": BALL, "V_WB": [1, 2, 3]}, "V_WB", "at least 6"),
         ({"file": BALL, "V_WB": [0] * 6, "weld": True}, "V_WB", "welded"),
-        ({"file": BALL, "weld": "yes"}, "weld", "true or false"),
+        ({"file": BALL, "weld": "yes"}, "weld", "boolean"),
         ({"file": BALL, "wled": True}, "wled", "Did you mean 'weld'?"),
     ],
 )

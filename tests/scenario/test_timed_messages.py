@@ -83,8 +83,7 @@ def bow(behavior="BOW", **params):
 
 def test_parameters_of_a_users_behavior_are_made_from_their_fields():
     assert bow(depth=0.3).params == BowParams(depth=0.3)
-    # YAML reads 1e-1 as a word.
-    assert bow(depth="1e-1", sides=[0, 1]).params == BowParams(0.1, (0.0, 1.0))
+    assert bow(depth=0.1, sides=[0, 1]).params == BowParams(0.1, (0.0, 1.0))
     assert bow(manner="curt", behavior=100).params == BowParams(manner="curt")
 
 
@@ -113,8 +112,12 @@ def test_parameters_that_cannot_be_used_are_named(fields, field, told):
     ("message", "field", "told"),
     [
         ({"atlas_command": {"k_effort": 255}, "time": -1.0}, ".time", "is -1.0"),
-        ({"time": 1.0}, "", "not neither"),
-        (sim_message(behavior=3) | {"atlas_command": {"k_effort": 1}}, "", "not both"),
+        ({"time": 1.0}, "", "exactly one"),
+        (
+            sim_message(behavior=3) | {"atlas_command": {"k_effort": 1}},
+            "",
+            "exactly one",
+        ),
         (sim_message(behaviour=3), ".atlas_sim_interface_command.behaviour", "no such"),
         (
             sim_message(walk_params={"step_queue": [{"foot_indx": 0}]}),

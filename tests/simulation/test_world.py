@@ -294,7 +294,7 @@ def second_head(plant):
 @pytest.mark.parametrize(
     ("world", "problem"),
     [
-        ([3], r"world\[0\] must be a callable"),
+        ([3], "world must be a list of callables"),
         (3, "world must be a list of callables"),
         (None, "world must be a list of callables"),
         ([lambda p: p.Finalize()], "finalize"),

@@ -1,0 +1,158 @@
+"""Makes scenarios from YAML files, fields and settings by path.
+
+What a value may be is checked where the scenario is declared.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from atlas_drake.config import as_plain, checked, read_fields, read_file, read_yaml
+from atlas_drake.errors import ScenarioError
+from atlas_drake.robot import model_beside
+from atlas_drake.scenario.models import models_beside
+from atlas_drake.scenario.scenario import Scenario
+from atlas_drake.scenario.world_file import world_beside, world_from
+
+_PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """Reads and validates one YAML file; fields left out have their defaults.
+
+    Args:
+        path: Path of the file.
+
+    Raises:
+        ScenarioError: If the file cannot be read, has unknown keys or bad values.
+    """
+    try:
+        raw = read_fields(read_file(path), "duration: 10")
+        return scenario_from(with_full_paths(raw, Path(path).parent))
+    except ScenarioError as error:
+        raise error.within(path) from None
+
+
+def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    """Makes the files of robot, world and models relative to ``folder`` absolute."""
+    seen = dict(raw)
+    if isinstance(raw.get("model"), str):
+        seen["model"] = model_beside(raw["model"], folder)
+    if "world" in raw:
+        seen["world"] = world_beside(raw["world"], folder)
+    if "models" in raw:
+        seen["models"] = models_beside(raw["models"], folder)
+    return seen
+
+
+def scenario_from(
+    fields: Mapping[str, Any], default: Scenario | None = None
+) -> Scenario:
+    """Makes a scenario from the fields of a YAML file.
+
+    Args:
+        fields: Some or all fields, as YAML reads them.
+        default: Scenario with the values of omitted fields; None for the defaults. It
+            is not changed.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    base = Scenario() if default is None else default.validate()
+    present = base.surroundings()
+    if "world" in fields:
+        fields = {**fields, "world": world_from(fields["world"], present)}
+    made: Scenario = checked(Scenario, fields, base=replace(base, world=present))
+    return made
+
+
+def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
+    """Returns a scenario with some fields set as on the command line.
+
+    Args:
+        scenario: Scenario with the values of all other fields.
+        settings: Such as ``controller.gains.dcm_gain=2.5`` or
+            ``pushes[0].impulse=30``: path and value as in YAML; of two for one field
+            the later counts.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be set.
+    """
+    values: dict[str, Any] = {}
+    for setting in settings:
+        path, equals, text = setting.partition("=")
+        if not (equals and is_path(path)):
+            raise ScenarioError.about("--set", setting, "must be KEY.PATH=VALUE")
+        try:
+            value = read_yaml(text)
+        except ValueError as error:
+            problem = f"must be a value as in YAML: {error}"
+            raise ScenarioError.about(path, text, problem) from None
+        values.pop(path, None)
+        values[path] = value
+    return with_values(scenario, values)
+
+
+def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+    """Returns a scenario with some fields set.
+
+    Args:
+        scenario: With all other fields.
+        values: As YAML has them, by path, such as ``jitter.mass`` or
+            ``terrain[1].friction``; set one after the other.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be set.
+    """
+    fields: dict[str, Any] = {}
+    known = replace(scenario, controller=scenario.controller_config())
+    for path, value in values.items():
+        _put(fields, path, value, known)
+    return scenario_from(fields, scenario)
+
+
+def is_path(text: str) -> bool:
+    """Returns True if a text is a path of a field, such as ``pushes[0].impulse``."""
+    return all(_PART.fullmatch(part.strip()) for part in text.split("."))
+
+
+def _put(fields: dict[str, Any], path: str, value: Any, base: Any) -> None:
+    """Puts a value into fields, as YAML has them, that change a structure, ``base``.
+
+    A list in them is whole: it is taken from ``base`` before an element is changed.
+    """
+    if not is_path(path):
+        raise ScenarioError.about(path, path, "must be a path, as pushes[0].impulse")
+    parts: list[str | int] = []
+    for name, places in _PART.findall(path):
+        parts += [name.strip(), *map(int, re.findall(r"\d+", places))]
+    place: Any = fields
+    for part, following in itertools.pairwise(parts):
+        if isinstance(part, int):
+            base, inner = None, _element(place, part, path)
+        else:
+            base, inner = getattr(base, part, None), place.get(part)
+        if isinstance(following, int):
+            if not isinstance(inner, list):
+                inner = as_plain(base) if isinstance(base, list | tuple) else []
+        elif not isinstance(inner, dict):
+            # A world may be given by its name.
+            named = part == "world" and isinstance(inner, str)
+            inner = {"name": inner} if named else {}
+        place[part] = inner
+        place = inner
+    if isinstance(parts[-1], int):
+        _element(place, parts[-1], path)
+    place[parts[-1]] = value
+
+
+def _element(items: list[Any], place: int, path: str) -> Any:
+    if place >= len(items):
+        problem = f"there is no [{place}] of {len(items)} elements; give the whole list"
+        raise ScenarioError(path, place, problem)
+    return items[place]
