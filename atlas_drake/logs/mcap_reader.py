@@ -17,8 +17,8 @@ from atlas_drake.logs.log import Log, LoggedEvent, Part
 from atlas_drake.logs.mcap_writer import HEADER, METADATA, check_log_path
 from atlas_drake.logs.topics import COMMANDS, EVENTS, ON_CHANGE, STRUCTURED, TIME
 from atlas_drake.messages.event import MESSAGE, Event
-from atlas_drake.messages.plain import message_from
 from atlas_drake.records import Schema
+from atlas_drake.records.plain import message_from
 from atlas_drake.records.schema import GROUPS
 
 TINY = 1e-6

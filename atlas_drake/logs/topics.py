@@ -25,7 +25,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import Footstep, StepAction
-from atlas_drake.messages.plain import message_from
+from atlas_drake.records.plain import message_from
 from atlas_drake.records.tick_record import ContactForce
 
 TIME, EVENTS = "time", "events"

@@ -36,11 +36,7 @@ class Vector3(Message):
 
     @classmethod
     def from_array(cls, xyz: ArrayLike) -> "Vector3":
-        """Make a vector from numbers.
-
-        Args:
-            xyz: x, y, z; shape (3,).
-        """
+        """Make a vector from x, y, z; shape (3,)."""
         x, y, z = np.asarray(xyz, dtype=float).tolist()
         return cls(x, y, z)
 
@@ -64,11 +60,7 @@ class Quaternion(Message):
 
     @classmethod
     def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
-        """Make a quaternion from numbers in the order of Drake and Eigen.
-
-        Args:
-            wxyz: w, x, y, z; shape (4,).
-        """
+        """Make a quaternion from w, x, y, z, the order of Drake and Eigen."""
         w, x, y, z = np.asarray(wxyz, dtype=float).tolist()
         return cls(x, y, z, w)
 
@@ -77,9 +69,7 @@ class Quaternion(Message):
         return np.array([self.w, self.x, self.y, self.z], dtype=float)
 
 
-Rotation = Annotated[
-    Quaternion, not_zero("xyzw", "x = y = z = 0, w = 1 is no rotation")
-]
+Rotation = Annotated[Quaternion, not_zero("xyzw")]
 """A quaternion that can be normalised."""
 
 

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from atlas_drake.frozen import Frozen
-from atlas_drake.messages.base import compared, same
+from atlas_drake.messages.base import same_fields
 
 XY, XYZ = ("x", "y"), ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")
@@ -98,8 +98,7 @@ class Group(Frozen):
         """Compares all fields that take part in comparisons."""
         if type(other) is not type(self):
             return NotImplemented
-        get = compared(type(self))  # type: ignore[arg-type]
-        return all(map(same, get(self), get(other)))
+        return same_fields(self, other)
 
     __hash__ = None  # type: ignore[assignment]
 

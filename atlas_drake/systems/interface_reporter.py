@@ -26,7 +26,7 @@ from atlas_drake.messages import (
     Quaternion,
     Vector3,
 )
-from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
+from atlas_drake.messages.atlas_state import AtlasPositionData
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot

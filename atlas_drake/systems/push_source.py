@@ -22,7 +22,7 @@ from atlas_drake.errors import InvalidMessageError, ScenarioError, did_you_mean,
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.messages.recent import append_recent
+from atlas_drake.messages.event import append_recent
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.pushes import LARGEST_FORCE, PlannedPush
 from atlas_drake.systems.collectable_system import CollectableSystem

@@ -12,8 +12,7 @@ from typing import Any, TypeVar
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import items_since
+from atlas_drake.messages.event import Event, items_since
 from atlas_drake.systems.harness import HarnessState
 from atlas_drake.systems.push_source import PushState
 

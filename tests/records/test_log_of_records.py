@@ -14,7 +14,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
-from atlas_drake.messages.controller_status import LARGEST_SUPPORT, PlannedPaths
+from atlas_drake.messages.controller_status import MAX_CORNERS, PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, FOOTSTEP_DATA, MESSAGE, Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.records import Schema, TickRecord
@@ -103,7 +103,7 @@ def value_of(column, random):
         return 1.0 if column.optional else number(random)
     array = np.array([number(random) for _ in range(size)])
     if column.width:
-        rows = random.integers(1, LARGEST_SUPPORT + 1)
+        rows = random.integers(1, MAX_CORNERS + 1)
         array = random.normal(size=(rows, column.width))
     if column.optional and np.isnan(array).all():
         return None

@@ -9,8 +9,7 @@ from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import AtlasCommand, Behavior, accept
 from atlas_drake.messages.commands import commands_at_start, receive
 from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import READ_WITHIN, append_recent
+from atlas_drake.messages.event import READ_WITHIN, Event, append_recent
 from atlas_drake.robot import load_robot
 from atlas_drake.systems.fall_monitor import Fall
 from atlas_drake.systems.harness import HarnessState
