@@ -27,8 +27,6 @@ class LogPlayer(CollectableSystem):
         plant_state: State of robot and world.
     """
 
-    __slots__ = ()
-
     def __init__(self, log: Log, plant: MultibodyPlant):
         """Plays ``log``.
 

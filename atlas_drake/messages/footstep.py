@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atlas_drake.config import as_float
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import ToeOff
@@ -104,10 +105,12 @@ class Footstep(Frozen):
         """Take the point as a read-only array.
 
         Raises:
-            ValueError: If foot or point cannot be used; it names the field.
+            ValueError: If foot, point or yaw cannot be used; it names the field.
         """
         if self.foot not in (LEFT, RIGHT):
             raise ValueError(f"foot must be 0 or 1, is {shown(self.foot)}")
+        if as_float(self.yaw) is None:
+            raise ValueError(f"yaw must be a number, is {shown(self.yaw)}")
         p_WF = points(self.p_WF, "p_WF", (3,))
         object.__setattr__(self, "p_WF", p_WF)
 

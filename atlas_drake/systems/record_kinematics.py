@@ -64,12 +64,9 @@ class RecordKinematics:
         return feet, Hands(torques[2], forces[2], torques[3], forces[3])
 
     def balance(self, scratch: Context, feet: Feet, plan: Plan) -> Balance:
-        """Computes CoM, DCM and CoP at the state of the model.
+        """Computes CoM, DCM and CoP at the state of the model, in ``scratch``.
 
-        Args:
-            scratch: Context of the model.
-            feet: The feet at that state.
-            plan: Plan of the controller; its natural frequency defines the DCM.
+        The plan's natural frequency defines the DCM.
         """
         com = self._model.CalcCenterOfMassPositionInWorld(scratch)
         velocity = self._model.CalcCenterOfMassTranslationalVelocityInWorld(scratch)

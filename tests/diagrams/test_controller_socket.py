@@ -247,33 +247,30 @@ def foreign(shared):
 @pytest.mark.parametrize(
     ("status", "words"),
     [
-        (lambda: ControllerStatus(plan=None), "plan must be Plan, is None"),
-        (lambda: "hello", "'controller_status' must hold a ControllerStatus"),
-        (lambda: NOTHING, "'controller_status' must hold a ControllerStatus"),
-        (lambda: ControllerStatus(current_behavior=3), "current_behavior must be Be"),
-        (lambda: ControllerStatus(events=(EVENT,)), "must count all events, is 0 with"),
-        (lambda: Plan(support=np.zeros((9, 2))), "must have at most 8 corners, has 9"),
-        (lambda: Plan(support=np.zeros((4, 3))), r"support must have shape \(k, 2\)"),
-        (lambda: Plan(com_reference=[0.0] * 3), r"com_reference must have shape \(2,"),
-        (lambda: PlannedPaths(swing=["up"]), r"swing must have shape \(k, 3\)"),
-        (lambda: ControllerStatus(events=("oh",), event_count=1), "events must be a t"),
-        (lambda: ControllerStatus(events=None), "events must be a tuple of Event"),
-        (lambda: ControllerStatus(event_count="1"), "event_count must be a whole numb"),
-        (lambda: ControllerStatus(unsolved=0.5), "unsolved must be a whole number"),
-        (lambda: ControllerStatus(solved="yes"), "solved must be True, False or None"),
-        (lambda: Event("now", "x", "y"), "time of an Event must be a number, is 'now'"),
-        (lambda: Event(np.nan, "x", "y"), "time of an Event must be finite"),
-        (lambda: Event(0.0, "x", 3), "text of an Event must be text, is 3"),
-        (lambda: Event(0.0, "x", "y", None), "data of an Event must be a dict"),
-        (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
-        (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of Footstep"),
-        (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
-        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot of a Footstep must be 0 or"),
-        (
-            lambda: Footstep(1, 0, None, 0.0),
-            r"p_WF of a Footstep .*\(3,\), is None",
-        ),
-        (lambda: Footstep(1, 0, [0.0] * 3, None), "yaw of a Footstep must be a num"),
+        (lambda: ControllerStatus(plan=None), "plan"),
+        (lambda: "hello", "controller_status"),
+        (lambda: NOTHING, "controller_status"),
+        (lambda: ControllerStatus(current_behavior=3), "current_behavior"),
+        (lambda: ControllerStatus(events=(EVENT,)), "event_count"),
+        (lambda: Plan(support=np.zeros((9, 2))), "support"),
+        (lambda: Plan(support=np.zeros((4, 3))), "support"),
+        (lambda: Plan(com_reference=[0.0] * 3), "com_reference"),
+        (lambda: PlannedPaths(swing=["up"]), "swing"),
+        (lambda: ControllerStatus(events=("oh",), event_count=1), "events"),
+        (lambda: ControllerStatus(events=None), "events"),
+        (lambda: ControllerStatus(event_count="1"), "event_count"),
+        (lambda: ControllerStatus(unsolved=0.5), "unsolved"),
+        (lambda: ControllerStatus(solved="yes"), "solved"),
+        (lambda: Event("now", "x", "y"), "time of an Event"),
+        (lambda: Event(np.nan, "x", "y"), "time of an Event"),
+        (lambda: Event(0.0, "x", 3), "text of an Event"),
+        (lambda: Event(0.0, "x", "y", None), "data of an Event"),
+        (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "lacks.*commanded"),
+        (lambda: Plan(footsteps=("a",)), "footsteps"),
+        (lambda: Plan(omega=-1.0), "omega"),
+        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot"),
+        (lambda: Footstep(1, 0, None, 0.0), "p_WF"),
+        (lambda: Footstep(1, 0, [0.0] * 3, None), "yaw"),
     ],
 )
 def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):
@@ -367,7 +364,7 @@ def test_planned_paths_of_another_type_are_refused():
             robot, lambda _context: "straight on", port="planned_paths"
         )
     )
-    with pytest.raises(TypeError, match="'planned_paths' must hold PlannedPaths"):
+    with pytest.raises(TypeError, match="planned_paths"):
         sim.output("planned_paths")
 
 

@@ -205,7 +205,7 @@ def test_a_step_of_less_precision_is_not_the_same():
         ("duration: soon\n", "duration: is 'soon'; must be a valid number"),
         ("duration: 5 s\n", "duration: is '5 s'; must be a valid number"),
         ("start: {yaw: ninety}\n", r"start\.yaw: is 'ninety'"),
-        ("start: {harnessed: 1}\n", r"start\.harnessed: .*true or false"),
+        ("start: {on_gantry: 1}\n", r"start\.on_gantry: .*true or false"),
         ("jitter: 0.02\n", "jitter: is 0.02; must be fields of a Jitter"),
         ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
         ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),

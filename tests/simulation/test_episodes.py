@@ -14,7 +14,7 @@ from atlas_drake import (
 from atlas_drake.messages import AtlasSimInterfaceCommand
 from atlas_drake.scenario import Jitter
 
-HELD = Start(harnessed=True)
+HELD = Start(on_gantry=True)
 
 
 def jittered(seed, **fields):
@@ -86,11 +86,11 @@ def same(one, other):
     [
         {"state": "estimated", "schedule": "tutorial"},
         {
-            "start": Start(harnessed=True, release_time=0.1),
+            "start": Start(on_gantry=True, release_time=0.1),
             "initial_behavior": "FREEZE",
         },
     ],
-    ids=["estimated", "harnessed"],
+    ids=["estimated", "gantry"],
 )
 def test_a_run_with_another_seed_is_that_of_a_new_simulation(fields):
     sim = AtlasSimulation(jittered(1, **fields))
@@ -148,7 +148,7 @@ def test_a_new_run_may_begin_elsewhere(sim):
     [
         *[({"seed": s}, ScenarioError, "seed") for s in (-1, 2**64, 1.5, "3", True)],
         ({"seed": 2, "behavior": "WALK"}, InvalidMessageError, "behavior"),
-        ({"seed": 2, "behavior": "USER", "pose": HELD}, ScenarioError, "harness"),
+        ({"seed": 2, "behavior": "USER", "pose": HELD}, ScenarioError, "gantry"),
         ({"seed": 2, "pose": Start(yaw=float("nan"))}, ScenarioError, "yaw"),
     ],
 )

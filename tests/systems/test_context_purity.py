@@ -129,14 +129,14 @@ def test_a_clone_in_mid_step_goes_on_as_the_original_does(diagram, start):
     assert index >= 1
 
 
-def test_a_clone_amid_a_push_in_the_harness_goes_on_alike(robot):
+def test_a_clone_amid_a_push_in_the_gantry_goes_on_alike(robot):
     """What pushes and holds the robot is in the Context, too."""
     pushes = [
         PlannedPush(time=0.02, impulse=8.0, duration=0.1),
         PlannedPush(time=0.035, impulse=5.0, body="pelvis", duration=0.03),
     ]
     scenario = Scenario(
-        pushes=pushes, start=Start(harnessed=True), initial_behavior="FREEZE"
+        pushes=pushes, start=Start(on_gantry=True), initial_behavior="FREEZE"
     )
     station = make_atlas_station(robot, scenario)
 
@@ -145,10 +145,10 @@ def test_a_clone_amid_a_push_in_the_harness_goes_on_alike(robot):
         X_WP = plant.EvalBodyPoseInWorld(
             plant.GetMyContextFromRoot(root), plant.GetBodyByName("pelvis")
         )
-        harness = station.GetSubsystemByName("harness")
-        context = harness.GetMyMutableContextFromRoot(root)
+        gantry = station.GetSubsystemByName("gantry")
+        context = gantry.GetMyMutableContextFromRoot(root)
         p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
-        harness.hold(context, p_WP, R_WP, 0.1, released=0.05)
+        gantry.hold(context, p_WP, R_WP, 0.1, released=0.05)
 
     first = Simulator(station)
     held(first.get_mutable_context())
@@ -161,6 +161,6 @@ def test_a_clone_amid_a_push_in_the_harness_goes_on_alike(robot):
         simulator.AdvanceTo(0.0905)
         root = simulator.get_context()
         ends.append([station.GetOutputPort(n).Eval(root) for n in ("state", "pushes")])
-        assert station.GetOutputPort("harness").Eval(root).released == 0.05
+        assert station.GetOutputPort("gantry").Eval(root).released == 0.05
     assert (ends[0][0] == ends[1][0]).all()
     assert ends[0][1].begun == ends[1][1].begun == 2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.systems.energy_meter import EnergyMeter
+from atlas_drake.systems.run_statistics import EnergyMeter
 
 PERIOD = 0.01
 

@@ -8,7 +8,7 @@ from atlas_drake import AtlasSimulation
 from atlas_drake.control.estimation.attitude import turned
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.scenario.noise import NOISE_MODELS
-from atlas_drake.systems.inertial_sensor import InertialSensor
+from atlas_drake.systems.imu import InertialSensor
 
 TICK = 0.002
 """[s]"""

@@ -8,7 +8,7 @@ from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.control.estimation.attitude import rotation_matrix, turned
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.scenario import Start
-from atlas_drake.systems.estimation_error import error_sizes
+from atlas_drake.systems.run_statistics import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
 
 TICK = Scenario().resolved().control_period

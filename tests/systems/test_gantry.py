@@ -1,4 +1,4 @@
-"""The harness: springs and implicit dampers on the pelvis, stable for any joint law."""
+"""The gantry: springs and implicit dampers on the pelvis, stable for any joint law."""
 
 import numpy as np
 import pytest
@@ -10,26 +10,26 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
 from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario import Start
-from atlas_drake.scenario.scenario import HarnessGains
-from atlas_drake.systems.harness import Harness, implicit_pull
+from atlas_drake.scenario.scenario import GantryGains
+from atlas_drake.systems.gantry import Gantry, implicit_pull
 
 STEP = 0.002
 """Physics step [s]."""
 
-GAINS = HarnessGains(damping_ratio=0.8, lowering_speed=0.2, fading_time=2.0)
+GAINS = GantryGains(damping_ratio=0.8, lowering_speed=0.2, fading_time=2.0)
 """Away from 1, where a factor is as good as a divisor."""
 
 FRICTION = 1.0
-"""What the harness leaves out: friction in the joints, 0.1 N·m·s/rad each [N·m; N]."""
+"""What the gantry leaves out: friction in the joints, 0.1 N·m·s/rad each [N·m; N]."""
 
 
 class Hanging:
-    """A robot in the air in some motion, its harness, and the plant's own next step."""
+    """A robot in the air in some motion, its gantry, and the plant's own next step."""
 
-    def __init__(self, robot, plant, harness):
+    def __init__(self, robot, plant, gantry):
         random = np.random.default_rng(1)
-        self.robot, self.plant, self.harness = robot, plant, harness
-        self.own = self.harness.CreateDefaultContext()
+        self.robot, self.plant, self.gantry = robot, plant, gantry
+        self.own = self.gantry.CreateDefaultContext()
         self.context = plant.CreateDefaultContext()
         self.pelvis = plant.GetBodyByName(robot.file.pelvis)
         q = plant.GetPositions(self.context)
@@ -53,11 +53,11 @@ class Hanging:
             ("foot_wrenches", np.zeros(12)),
             ("other_spatial_force", AbstractValue.Make([push])),
         ):
-            self.harness.GetInputPort(name).FixValue(self.own, value)
+            self.gantry.GetInputPort(name).FixValue(self.own, value)
 
     @property
     def forces(self):
-        return self.harness.GetOutputPort("applied_spatial_force").Eval(self.own)
+        return self.gantry.GetOutputPort("applied_spatial_force").Eval(self.own)
 
     def pelvis_velocity_after_step(self, *forces):
         """As Drake computes it from all forces [rad/s; m/s], shape (6,)."""
@@ -93,7 +93,7 @@ def parts(robot):
     plant.SetUseSampledOutputPorts(False)
     robot.add_to(plant)
     plant.Finalize()
-    return plant, Harness(robot, plant, GAINS)
+    return plant, Gantry(robot, plant, GAINS)
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def hanging(robot, parts):
 def test_the_pull_follows_the_law_at_the_steps_end_velocity(hanging):
     p_WH = hanging.X_WP.translation() + np.array([0.02, -0.03, 0.01])
     R_WH = RollPitchYaw(0.35, -0.25, 0.8).ToRotationMatrix().matrix()
-    hanging.harness.hold(hanging.own, p_WH, R_WH, 0.1)
+    hanging.gantry.hold(hanging.own, p_WH, R_WH, 0.1)
     push, own = hanging.forces
     assert push.body_index == hanging.push.body_index
     assert own.body_index == hanging.pelvis.index()
@@ -115,7 +115,7 @@ def test_the_pull_follows_the_law_at_the_steps_end_velocity(hanging):
 
 def test_the_ground_on_the_soles_counts_as_any_other_force(hanging):
     X_WP = hanging.X_WP
-    hanging.harness.hold(hanging.own, X_WP.translation(), X_WP.rotation().matrix(), 0.1)
+    hanging.gantry.hold(hanging.own, X_WP.translation(), X_WP.rotation().matrix(), 0.1)
     _, pushed = hanging.forces
     # The push as a wrench about the middle of the sole.
     foot = hanging.robot.file.feet[0]
@@ -126,29 +126,27 @@ def test_the_ground_on_the_soles_counts_as_any_other_force(hanging):
     force = hanging.push.F_Bq_W
     moment = force.rotational() + np.cross(lever, force.translational())
     wrenches = np.concatenate([moment, force.translational(), np.zeros(6)])
-    own, harness = hanging.own, hanging.harness
-    harness.GetInputPort("foot_wrenches").FixValue(own, wrenches)
+    own, gantry = hanging.own, hanging.gantry
+    gantry.GetInputPort("foot_wrenches").FixValue(own, wrenches)
     none = ExternallyAppliedSpatialForce()
     none.body_index = hanging.push.body_index
-    harness.GetInputPort("other_spatial_force").FixValue(
-        own, AbstractValue.Make([none])
-    )
+    gantry.GetInputPort("other_spatial_force").FixValue(own, AbstractValue.Make([none]))
     _, stood = hanging.forces
     np.testing.assert_allclose(
         stood.F_Bq_W.get_coeffs(), pushed.F_Bq_W.get_coeffs(), rtol=1e-9, atol=1e-6
     )
 
 
-def test_a_released_harness_lowers_fades_and_is_off(hanging):
+def test_a_released_gantry_lowers_fades_and_is_off(hanging):
     X_WP = hanging.X_WP
     p_WH, R_WH, drop = X_WP.translation(), X_WP.rotation().matrix(), 0.1
-    hanging.harness.release(hanging.own)
-    assert hanging.harness.state(hanging.own).released is None
-    hanging.harness.hold(hanging.own, p_WH, R_WH, drop)
+    hanging.gantry.release(hanging.own)
+    assert hanging.gantry.state(hanging.own).released is None
+    hanging.gantry.hold(hanging.own, p_WH, R_WH, drop)
     hanging.own.SetTime(5.0)
-    hanging.harness.release(hanging.own)
+    hanging.gantry.release(hanging.own)
     hanging.own.SetTime(5.2)
-    hanging.harness.release(hanging.own)
+    hanging.gantry.release(hanging.own)
     lowering = drop / GAINS.lowering_speed
     for since, lowered, strength in (
         (0.5 * lowering, 0.5 * drop, 1.0),
@@ -165,12 +163,12 @@ def test_a_released_harness_lowers_fades_and_is_off(hanging):
     assert len(hanging.forces) == 1
 
 
-def test_a_harness_that_let_go_gives_no_force(hanging):
+def test_a_gantry_that_let_go_gives_no_force(hanging):
     X_WP = hanging.X_WP
     assert len(hanging.forces) == 1
-    hanging.harness.hold(hanging.own, X_WP.translation(), X_WP.rotation().matrix(), 0.1)
+    hanging.gantry.hold(hanging.own, X_WP.translation(), X_WP.rotation().matrix(), 0.1)
     assert len(hanging.forces) == 2
-    hanging.harness.let_go(hanging.own)
+    hanging.gantry.let_go(hanging.own)
     assert len(hanging.forces) == 1
 
 
@@ -197,7 +195,7 @@ def test_the_pelvis_hangs_still_under_light_and_heavy_damping(model, step, kp_ve
             model=model,
             physics_step=step,
             initial_behavior="USER",
-            start=Start(harnessed=True),
+            start=Start(on_gantry=True),
         )
     )
     if kp_velocity is not None:
