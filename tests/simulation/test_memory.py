@@ -83,7 +83,9 @@ def test_a_system_is_freed_with_the_callbacks_that_drake_holds():
             self.itself = self
             self.declare_vector_output("size", 1, lambda _context: [len(self.name())])
             self.cached = self.declare_cached("cached", lambda _context: self.name())
-            self.scratch = self.declare_scratch_context(self.CreateDefaultContext)
+            self.scratch = self.declare_scratch_context(
+                lambda: CollectableSystem().CreateDefaultContext()
+            )
 
         def name(self):
             return type(self).__name__
