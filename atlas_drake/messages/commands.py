@@ -81,34 +81,19 @@ class BehaviorRequest(Frozen):
 
 @dataclass(frozen=True)
 class ActiveCommand(Frozen):
-    """All values that commands have set.
-
-    Attributes:
-        joints: Set-points and gains of the PID bank, and the user's share per joint.
-        requests: The latest requests to the behavior controller, oldest first.
-        catalog: The behaviors that can be requested.
-        error_code: Error code of the last message; NO_ERRORS if it was accepted.
-        events: The latest messages as events, oldest first: one for each, accepted or
-            refused.
-        received: Number of all messages, and so of their events.
-        refused: Number of all refused messages.
-        atlas_command: What was last on the port of joint commands.
-        sim_command: What was last on the port of behavior commands.
-        atlas_stamp: Time stamp of the last accepted joint command [s].
-        sim_stamp: Time stamp of the last accepted behavior command [s].
-    """
+    """All values that commands have set."""
 
     joints: JointCommand
-    requests: tuple[BehaviorRequest, ...]
+    requests: tuple[BehaviorRequest, ...]  # The latest ones, oldest first.
     catalog: BehaviorCatalog = SHIPPED
-    error_code: ErrorCode = ErrorCode.NO_ERRORS
-    events: tuple[Event, ...] = ()
-    received: int = 0
+    error_code: ErrorCode = ErrorCode.NO_ERRORS  # Of the last message.
+    events: tuple[Event, ...] = ()  # One for each of the latest messages.
+    received: int = 0  # Number of all messages, and so of their events.
     refused: int = 0
     atlas_command: Seen = Seen()
     sim_command: Seen = Seen()
-    atlas_stamp: float | None = None
-    sim_stamp: float | None = None
+    atlas_stamp: float | None = None  # Of the last accepted joint command [s].
+    sim_stamp: float | None = None  # Of the last accepted behavior command [s].
 
     @property
     def request(self) -> BehaviorRequest:

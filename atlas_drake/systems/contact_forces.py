@@ -33,15 +33,10 @@ def shapes_of(plant: MultibodyPlant, bodies: Mapping[int, int]) -> dict[int, int
 def contact_wrenches(
     results: ContactResults, bodies: Mapping[int, int], shapes: Mapping[int, int]
 ) -> list[list[float]]:
-    """Sums the contact forces on some bodies, about W's origin.
+    """Sums moment and force on some bodies in W, about W's origin [N·m; N].
 
-    Args:
-        results: Contacts of the plant, as points or as surfaces.
-        bodies: Maps the index of a body in the plant to its index in the result.
-        shapes: Maps each collision shape of these bodies likewise.
-
-    Returns:
-        Moment and force in W for each body [N·m; N], six numbers.
+    ``bodies`` maps the index of a body in the plant to its index in the result,
+    ``shapes`` each collision shape of these bodies likewise.
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
 

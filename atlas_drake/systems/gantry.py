@@ -26,19 +26,12 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 @dataclass(frozen=True)
 class GantryState(Frozen):
-    """State of the gantry.
+    """Pose in which the pelvis is held; None for a slack gantry."""
 
-    Attributes:
-        p_WH: Position at which the pelvis is held [m]; None for a slack gantry.
-        R_WH: Orientation in which the pelvis is held; None for a slack gantry.
-        drop: Distance by which the robot is lowered until its feet can stand [m].
-        released: Time of release [s], which may be in the future; None if unknown.
-    """
-
-    p_WH: np.ndarray | None = None
+    p_WH: np.ndarray | None = None  # [m], shape (3,).
     R_WH: np.ndarray | None = None
-    drop: float = 0.0
-    released: float | None = None
+    drop: float = 0.0  # By which the robot is lowered until its feet can stand [m].
+    released: float | None = None  # Time of release [s], which may be in the future.
 
 
 class Gantry(CollectableSystem):

@@ -68,13 +68,7 @@ class ImuModel:
         noise: SensorNoise,
         time: float,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Computes a measurement.
-
-        Args:
-            state: True positions and velocities of the robot.
-            acceleration: Its generalized accelerations.
-            noise: Noise of the sensors.
-            time: Time of the measurement [s].
+        """Computes a measurement from true state and generalized accelerations.
 
         Returns:
             Orientation of the IMU in W as a quaternion with w first, angular velocity

@@ -36,29 +36,17 @@ _PID_FIELDS = [field.name for field in fields(PidState)]
 
 @dataclass(frozen=True)
 class PreparedLaw(Frozen):
-    """Data of the law that change seldom.
+    """Data of the law that change seldom, computed for a command and a pose."""
 
-    Attributes:
-        time: Time at which the data were computed [s].
-        source: The command for which the data were computed.
-        q: Joint positions for which the data were computed [rad].
-        command: ``source`` ``within_limits`` of the joints.
-        rest: 1 - k, the behavior's share of each joint.
-        active: True for each joint with k > 0.
-        offset: The static effort at joint positions zero, without integral [N·m].
-        integrates: True if any joint has an integral term.
-        model: Response of velocities to efforts.
-    """
-
-    time: float
+    time: float  # At which the data were computed [s].
     source: JointCommand
-    q: np.ndarray
-    command: JointCommand
-    rest: np.ndarray
-    active: np.ndarray
-    offset: np.ndarray
-    integrates: bool
-    model: StepModel
+    q: np.ndarray  # Joint positions [rad].
+    command: JointCommand  # ``source`` ``within_limits`` of the joints.
+    rest: np.ndarray  # 1 - k, the behavior's share of each joint.
+    active: np.ndarray  # True for each joint with k > 0.
+    offset: np.ndarray  # Static effort at joint positions zero, no integral [N·m].
+    integrates: bool  # True if any joint has an integral term.
+    model: StepModel  # Response of velocities to efforts.
 
     def static_effort(self, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Computes ``static_effort`` of the command from the precomputed offset."""

@@ -36,8 +36,6 @@ SAME_TIME = 1e-9
 """Times closer than this are the same [s]: times are sums of rounded periods."""
 RECENT = 8
 """Least number of recent pushes that are kept for readers."""
-VERTICAL = (5, 11)
-"""Indices of the feet's vertical forces in the station's ``foot_wrenches``."""
 UNLOADED, LOADED = 0.01, 0.05
 """Shares of the robot's weight below which a foot is in the air, and above which it is
 on the ground; in between its state does not change [-]."""
@@ -49,17 +47,11 @@ DOWN_FOR = 0.1
 
 @dataclass(frozen=True)
 class FootLoad(Frozen):
-    """State of one foot of any controller's robot, from the load on its sole.
+    """State of one foot of any controller's robot, from the load on its sole."""
 
-    Attributes:
-        down: True if the foot is on the ground; None before the first load.
-        touched: Time of the last touchdown [s].
-        unloaded: Time since which a foot on the ground carries nothing [s].
-    """
-
-    down: bool | None = None
-    touched: float = -math.inf
-    unloaded: float | None = None
+    down: bool | None = None  # True on the ground; None before the first load.
+    touched: float = -math.inf  # Time of the last touchdown [s].
+    unloaded: float | None = None  # Time since which a foot down carries nothing [s].
 
     def after(self, time: float, load: float) -> tuple[FootLoad, str | None]:
         """Returns the state after a load, and a lift-off or touchdown at it, if any.
@@ -107,34 +99,21 @@ class Push(Frozen):
 
 @dataclass(frozen=True)
 class PushState(Frozen):
-    """State of the pushes.
+    """State of the pushes."""
 
-    Attributes:
-        planned: Planned pushes with their times [s].
-        awaited: Planned pushes that wait for the gait, with the number of events left.
-        feet: Loads on the left and the right foot.
-        active: Pushes that have begun, or begin within the control period, and have not
-            ended.
-        forces: Bodies and mean forces of the present control period in W [N].
-        recent: The latest pushes that began.
-        begun: Number of pushes that began in the run.
-    """
-
-    planned: tuple[tuple[float, PlannedPush], ...] = ()
-    awaited: tuple[tuple[PlannedPush, int], ...] = ()
-    feet: tuple[FootLoad, ...] = (FootLoad(), FootLoad())
-    active: tuple[Push, ...] = ()
-    forces: tuple[tuple[str, np.ndarray], ...] = ()
-    recent: tuple[Push, ...] = ()
-    begun: int = 0
+    planned: tuple[tuple[float, PlannedPush], ...] = ()  # With their times [s].
+    awaited: tuple[tuple[PlannedPush, int], ...] = ()  # With the gait events left.
+    feet: tuple[FootLoad, ...] = (FootLoad(), FootLoad())  # Left and right.
+    active: tuple[Push, ...] = ()  # Begun, or to begin within the control period.
+    forces: tuple[tuple[str, np.ndarray], ...] = ()  # Mean of the period in W [N].
+    recent: tuple[Push, ...] = ()  # The latest pushes that began.
+    begun: int = 0  # Number of pushes that began in the run.
 
     def watched(self, time: float, loads: Sequence[float], left: float) -> PushState:
         """Returns the state after a control tick.
 
-        Args:
-            time: Present time [s].
-            loads: Shares of the robot's weight on both feet [-].
-            left: Time until the next touchdown as the behavior plans it [s].
+        ``loads`` are the shares of the robot's weight on both feet [-], ``left`` is the
+        time until the next touchdown as the behavior plans it [s].
         """
         feet, planned, awaited = [], list(self.planned), self.awaited
         for name, foot, load in zip(("left", "right"), self.feet, loads, strict=True):
@@ -170,7 +149,7 @@ class PushSource(CollectableSystem):
 
     Input ports:
         state: Positions and velocities of the robot.
-        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
+        foot_loads: Vertical contact forces on the feet [N], shape (2,).
         controller_status: ``ControllerStatus``.
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
@@ -198,7 +177,7 @@ class PushSource(CollectableSystem):
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )
-        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._status_input = self.declare_value_input("controller_status")
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
@@ -296,10 +275,9 @@ class PushSource(CollectableSystem):
         if not (pushes.planned or pushes.awaited or pushes.active):
             return
         if pushes.awaited and now > 0.0:  # Loads exist from the first step on.
-            wrenches = self._wrench_input.Eval(context)
             weight = self._robot.mass * GRAVITY
             left = time_to_touchdown(self._status_input.Eval(context))
-            loads = [float(wrenches[index]) / weight for index in VERTICAL]
+            loads = [load / weight for load in self._load_input.Eval(context).tolist()]
             pushes = pushes.watched(now, loads, left)
         stop = now + self._period
         due = [entry for entry in pushes.planned if entry[0] < stop - SAME_TIME]

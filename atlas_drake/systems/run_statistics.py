@@ -77,11 +77,8 @@ class EnergyMeter(CollectableSystem):
     def __init__(self, velocities: np.ndarray, num_states: int, period: float) -> None:
         """Adds up every ``period`` [s].
 
-        Args:
-            velocities: Index of each joint's velocity into the state, in the order of
-                the efforts, shape (n,).
-            num_states: Length of the state.
-            period: Period of the sums [s].
+        ``velocities`` are the indices of the joints' velocities in the state, in the
+        order of the efforts.
         """
         super().__init__()
         self._velocities, self._period = velocities, period

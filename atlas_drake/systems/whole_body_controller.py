@@ -43,27 +43,16 @@ _UNKNOWN = read_only(np.full(2, np.nan))
 
 @dataclass(frozen=True)
 class ControllerState(Frozen):
-    """State of the controller from one tick to the next.
-
-    Attributes:
-        supervisor: State of the behaviors.
-        effort: The behavior's effort per joint [N·m], shape (n,).
-        com: Center of mass at the last tick, horizontal in W [m], shape (2,).
-        omega: Natural frequency of the pendulum at the last tick [1/s].
-        solution: Solution of the QP at the last tick; None without a QP.
-        unsolved: Number of ticks whose QP had no solution.
-        in_a_row: Number of the last ticks without a solution, since one with.
-        warned: True if the run has its warning of many ticks without a solution.
-    """
+    """State of the controller from one tick to the next."""
 
     supervisor: SupervisorState
-    effort: np.ndarray
-    com: np.ndarray
-    omega: float = 1.0
-    solution: WholeBodySolution | None = None
-    unsolved: int = 0
-    in_a_row: int = 0
-    warned: bool = False
+    effort: np.ndarray  # Of the behavior, per joint [N·m], shape (n,).
+    com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
+    omega: float = 1.0  # Natural frequency of the pendulum [1/s].
+    solution: WholeBodySolution | None = None  # None without a QP.
+    unsolved: int = 0  # Number of ticks whose QP had no solution.
+    in_a_row: int = 0  # Number of them since the last solution.
+    warned: bool = False  # True once the run has its warning of many of them.
 
 
 class WholeBodyController(CollectableSystem):
