@@ -108,12 +108,12 @@ class StateEstimator(CollectableSystem):
     ) -> OdometryState:
         inertial = self._inertial.Eval(context)
         after = predict(before, inertial[3:6], inertial[6:], dt, self._tuning)
-        p_IF_P, v_IF_P = self._legs(context, inertial[:3])
+        p_IF_P, v_IF_P = self.legs(context, inertial[:3])
         R_PW = rotation_matrix(after.q_WP).T
         load = self._loads.Eval(context) / self._weight
         return correct(after, p_IF_P @ R_PW, v_IF_P @ R_PW, load, dt, self._tuning)
 
-    def _legs(
+    def legs(
         self, context: Context, w_WP_P: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Computes position and velocity of both soles from joints and gyroscope.
