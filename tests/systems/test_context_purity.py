@@ -15,6 +15,8 @@ from atlas_drake.systems.command_scheduler import ScheduledCommand
 END = 0.1505
 """Of short runs [s], between two updates: at an update's own instant a simulator may
 or may not have done it yet."""
+VECTORS = ("effort", "peaks", "behavior_effort", "estimation_error")
+VALUES = ("imu", "atlas_state", "sent", "atlas_sim_interface_state", "record")
 STEPPING = 1.1005
 """The first foot of a walk is in the air [s]."""
 
@@ -36,13 +38,11 @@ def remembered(diagram, simulator):
     context = simulator.get_context()
     discrete = context.get_discrete_state()
     numbers = [discrete.get_vector(i).value() for i in range(discrete.num_groups())]
-    outputs = [
-        diagram.GetOutputPort(name).Eval(context)
-        for name in ("effort", "peaks", "behavior_effort", "estimation_error")
-        + ("imu", "atlas_state", "sent", "atlas_sim_interface_state", "record")
-    ]
-    vectors = np.concatenate([*numbers, *outputs[:4]])
-    return [context.get_time(), vectors.tobytes(), *outputs[4:]]
+    vectors, values = (
+        [diagram.GetOutputPort(name).Eval(context) for name in names]
+        for names in (VECTORS, VALUES)
+    )
+    return [context.get_time(), np.concatenate([*numbers, *vectors]).tobytes(), *values]
 
 
 def test_contexts_that_run_in_turns_know_nothing_of_each_other(diagram):
