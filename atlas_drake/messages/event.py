@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from atlas_drake.config import as_float
 from atlas_drake.errors import shown
@@ -115,21 +115,11 @@ def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:
     return kept
 
 
-class Timed(Protocol):
-    """An item with a time [s]."""
-
-    @property
-    def time(self) -> float: ...  # noqa: D102
-
-
 _T = TypeVar("_T")
-_Timed = TypeVar("_Timed", bound=Timed)
 
 
-def append_recent(
-    items: tuple[_Timed, ...], item: _Timed, kept: int
-) -> tuple[_Timed, ...]:
-    """Append an item; drop the oldest beyond ``kept`` that are not READ_WITHIN."""
+def append_recent(items: tuple[Any, ...], item: Any, kept: int) -> tuple[Any, ...]:
+    """Append an item with a time; drop the oldest beyond ``kept``, not READ_WITHIN."""
     drop = 0
     while len(items) - drop >= kept and items[drop].time < item.time - READ_WITHIN:
         drop += 1

@@ -194,7 +194,7 @@ def bits(schema, record):
     }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(run=runs())
 def test_records_come_back_from_a_log_to_the_bit(through_a_log, run):
     schema, records = run
