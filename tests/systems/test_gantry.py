@@ -51,7 +51,7 @@ class Hanging:
         foot = plant.GetBodyByName(robot.file.feet[0].body)
         self.push.body_index = foot.index()
         self.push.p_BoBq_B = np.array([0.1, 0.05, -0.08])
-        self.push.F_Bq_W = SpatialForce([3.0, -2.0, 1.0], [20.0, -30.0, 40.0])
+        self.push.F_Bq_W = SpatialForce([3.0, -2.0, 1.0], [20.0, 0.0, 40.0])
         state = plant.GetPositionsAndVelocities(self.context)
         for name, value in (
             ("state", state),
