@@ -40,15 +40,14 @@ from atlas_drake.scenario.world import (
 )
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
-from atlas_drake.systems.estimation_error import EstimationError
 from atlas_drake.systems.fall_monitor import FallMonitor
-from atlas_drake.systems.harness import Harness
-from atlas_drake.systems.inertial_sensor import InertialSensor
+from atlas_drake.systems.gantry import Gantry
+from atlas_drake.systems.imu import InertialSensor
 from atlas_drake.systems.interface_reporter import InterfaceReporter
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
-from atlas_drake.systems.run_statistics import RunStatistics
+from atlas_drake.systems.run_statistics import EstimationError, RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
@@ -79,12 +78,12 @@ EXPORTED = (
     "controller_status",
     "planned_paths",
     "query_object",
-    "harness",
+    "gantry",
     "estimated_state",
     "estimation_error",
     "largest_estimation_error",
 )
-"""Output ports of a station; the last four only with harness or state estimator."""
+"""Output ports of a station; the last four only with gantry or state estimator."""
 
 
 def make_atlas_station(
@@ -134,7 +133,7 @@ def make_atlas_station(
         peaks: Peaks of the run so far, see ``RunStatistics``.
         pushes: ``PushState``
         fall: ``Fall``; NOTHING until the robot falls.
-        harness: ``HarnessState``; only with a harness.
+        gantry: ``GantryState``; only with a gantry.
         state: Positions and velocities of the robot.
         plant_state: Positions and velocities of the whole plant.
         NAME.state: Positions and velocities of each other model that can move.
@@ -209,11 +208,11 @@ def make_atlas_station(
         state = "estimated_state"
         signals |= _add_estimator(builder, robot, scenario, plant, signals)
     signals["behavior_state"] = signals[state]
-    if scenario.start.harnessed:
-        harness = add("harness", Harness(robot, plant, scenario.harness))
+    if scenario.start.on_gantry:
+        gantry = add("gantry", Gantry(robot, plant, scenario.gantry))
         pushed = signals["applied_spatial_force"]
-        _connect(builder, harness, {**signals, "other_spatial_force": pushed})
-        signals |= _outputs(harness)
+        _connect(builder, gantry, {**signals, "other_spatial_force": pushed})
+        signals |= _outputs(gantry)
     signals |= _add_recorder(builder, robot, plant, scenario, signals)
     for system in systems:
         _connect(builder, system, signals)

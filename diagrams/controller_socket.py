@@ -129,8 +129,6 @@ class ControllerSocket:
 class _Check(CollectableSystem):
     """Passes a value on after checking it; for controllers that are not ours."""
 
-    __slots__ = ()
-
     def __init__(self, check: Callable[[object], Any], blank: object):
         super().__init__()
         port = self.DeclareAbstractInputPort("value", AbstractValue.Make(NOTHING))
@@ -146,8 +144,6 @@ class _Check(CollectableSystem):
 
 class _EventCounter(CollectableSystem):
     """Reads the number of events from a status; for controllers that are not ours."""
-
-    __slots__ = ()
 
     def __init__(self) -> None:
         super().__init__()

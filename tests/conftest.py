@@ -19,7 +19,6 @@ from atlas_drake import AtlasCommand, StepStream
 from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 
 from .filled import filled
-from .poison import POISON
 
 SHORT = "duration: 0.1\n"
 
@@ -127,12 +126,6 @@ def walk():
         return sim.footsteps
 
     return walk
-
-
-@pytest.fixture(params=POISON.values(), ids=POISON)
-def poison(request):
-    """Makes what no field of a message can hold."""
-    return request.param
 
 
 @pytest.fixture

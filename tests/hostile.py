@@ -13,10 +13,37 @@ from atlas_drake.messages import (
     Message,
 )
 
-from .poison import POISON
-
 NEVER_NEGATIVE = ("stamp", "duration", "swing_height", "max_body_accel", "max_foot_vel")
 """Fields with a number that is at least 0, some of them in some messages only."""
+
+
+def _list_within_itself():
+    values = []
+    values.extend([values] * 28)
+    return values
+
+
+class _Unspeakable:
+    def __repr__(self):
+        raise RuntimeError
+
+    def __eq__(self, other):
+        raise RuntimeError
+
+    __hash__ = None
+
+
+POISON = {
+    "durations": lambda: np.zeros(28, dtype="timedelta64[s]"),
+    "generator": lambda: (0.0 for _ in range(28)),
+    "list within itself": _list_within_itself,
+    "400 digits": lambda: [10**400] * 28,
+    "5000 digits": lambda: [10**5000] * 28,
+    "unspeakable": lambda: [_Unspeakable()] * 28,
+    "not a number": lambda: [float("nan")] * 28,
+    "array of objects": lambda: np.array([object()] * 28),
+}
+"""Functions that make what no field of a message can hold, each time anew, by name."""
 
 nonsense = st.one_of(
     st.complex_numbers(),

@@ -3,22 +3,16 @@
 import numpy as np
 import pytest
 
-from atlas_drake import (
-    AtlasCommand,
-    AtlasSimInterfaceCommand,
-    AtlasSimulation,
-    Scenario,
-)
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasSimulation
 
 STEP = 0.5
 """How far from where they are the user wants the joints at once [rad]."""
 
 
-def robot_in(behavior, **scenario):
+def robot_in(behavior):
     """A robot that has been in a behavior for a moment."""
-    sim = AtlasSimulation(Scenario(**scenario))
-    if behavior != "STAND":
-        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim = AtlasSimulation()
+    sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(0.3)
     return sim
 
@@ -27,12 +21,13 @@ def blended(limbs, k, seed, behavior="STAND"):
     """A robot of which the user wants a share of some limbs elsewhere, at once."""
     sim = robot_in(behavior)
     robot, random = sim.robot, np.random.default_rng(seed)
-    command = AtlasCommand()
     target = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)
-    command.position = np.clip(target, robot.position_lower, robot.position_upper)
-    command.kp_position = [200.0] * robot.num_joints
-    command.kp_velocity = [20.0] * robot.num_joints
-    command.k_effort = np.where(robot.limb(*limbs), k, 0)
+    command = AtlasCommand(
+        position=np.clip(target, robot.position_lower, robot.position_upper),
+        kp_position=[200.0] * robot.num_joints,
+        kp_velocity=[20.0] * robot.num_joints,
+        k_effort=np.where(robot.limb(*limbs), k, 0),
+    )
     sim.publish(command)
     return sim
 
@@ -92,15 +87,10 @@ def test_a_joint_driven_into_its_stop_disturbs_no_other():
     sim = AtlasSimulation()
     sim.advance(0.5)
     robot = sim.robot
-    neck = list(robot.joint_names).index("neck_ry")
-    command = AtlasCommand()
-    command.position = np.array(sim.atlas_state.position)
-    command.position[neck] = robot.position_upper[neck]
-    command.kp_position = [2000.0] * robot.num_joints
-    command.k_effort = np.zeros(robot.num_joints, dtype=int)
-    command.k_effort[neck] = 250
-    sim.publish(command)
-    others = np.arange(robot.num_joints) != neck
+    is_neck = robot.limb("neck")
+    position = np.where(is_neck, robot.position_upper, sim.atlas_state.position)
+    shares, gains = np.where(is_neck, 250, 0), [2000.0] * robot.num_joints
+    sim.publish(AtlasCommand(position=position, kp_position=gains, k_effort=shares))
     for _ in range(15):
         sim.advance(0.02)
-        assert np.abs(np.array(sim.atlas_state.velocity)[others]).max() < 1.5
+        assert np.abs(np.array(sim.atlas_state.velocity)[~is_neck]).max() < 1.5

@@ -8,7 +8,6 @@ from atlas_drake import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
-    AtlasState,
 )
 from atlas_drake.simulation.tutorial import KP_POSITION
 
@@ -31,19 +30,26 @@ def warnings(sim):
 def test_walking_with_a_user_leg_is_allowed_and_warned_about_once(joints, named):
     sim = AtlasSimulation()
     command = AtlasSimInterfaceCommand(behavior="WALK")
-    for i in range(2):
-        step = AtlasBehaviorStepData(step_index=i + 1, foot_index=i, duration=0.8)
-        step.swing_height = 0.1
-        step.pose.position.y = 0.14 if i == 0 else -0.14
+    for i, y in enumerate((0.14, -0.14)):
+        step = AtlasBehaviorStepData(i + 1, i, duration=0.8, swing_height=0.1)
+        step.pose.position.y = y
         command.walk_params.step_queue[i] = step
-    command.k_effort = [0] * sim.robot.num_joints
-    for name in joints:
-        command.k_effort[getattr(AtlasState, name)] = 255
+    command.k_effort = 255 * joints_of(sim, *joints)
     sim.publish(command)
     sim.advance(0.2)
     assert len(warnings(sim)) == named
     assert all(name in text for text in warnings(sim) for name in joints)
     assert sim.current_behavior.name == "WALK"
+
+
+def test_a_user_of_all_joints_is_warned_when_some_are_given_back(take):
+    sim = AtlasSimulation()
+    take(sim, joints_of(sim, ""))
+    sim.advance(0.1)
+    assert not warnings(sim)
+    take(sim, joints_of(sim, "_leg_"))
+    sim.advance(0.1)
+    assert len(warnings(sim)) == 1
 
 
 @pytest.mark.slow
@@ -56,8 +62,7 @@ def test_walking_with_a_user_leg_is_allowed_and_warned_about_once(joints, named)
 )
 def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joints, k):
     sim = AtlasSimulation()
-    if behavior != "STAND":
-        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(0.3)
     users = joints_of(sim, *joints)
     pose = np.array(sim.atlas_state.position)
@@ -66,8 +71,7 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joint
     assert not sim.has_fallen
     moved = np.abs(np.array(sim.atlas_state.position) - pose)
     assert moved[~users].max() < 0.05
-    (warning,) = warnings(sim)
-    assert "no leg to balance on" in warning
+    assert len(warnings(sim)) == 1
     assert sim.current_behavior.name == behavior
     # Given back, the legs balance again.
     take(sim, users, k=0)
@@ -93,32 +97,20 @@ def test_one_leg_is_enough_to_balance(take, joints):
     assert sim.pelvis_pose.translation()[2] > 0.85
 
 
-def test_a_user_of_all_joints_is_warned_when_some_are_given_back(take):
-    sim = AtlasSimulation()
-    take(sim, joints_of(sim, ""))
-    sim.advance(0.1)
-    assert not warnings(sim)
-    take(sim, joints_of(sim, "_leg_"))
-    sim.advance(0.1)
-    assert len(warnings(sim)) == 1
-
-
 @pytest.mark.slow
 def test_five_times_the_tutorials_stiffness_comes_to_rest_on_the_ground():
     sim = AtlasSimulation()
     sim.advance(1.0)
-    command = AtlasCommand()
-    command.position = sim.robot.stand_prep
-    command.kp_position = [
-        5.0 * KP_POSITION.get(joint.name, joint.kp) for joint in sim.robot.file.joints
-    ]
-    command.kd_position = np.zeros(28)
-    command.kp_velocity = np.full(28, 50.0)
-    command.k_effort = np.full(28, 255)
+    gains = [KP_POSITION.get(joint.name, joint.kp) for joint in sim.robot.file.joints]
+    command = AtlasCommand(
+        position=sim.robot.stand_prep,
+        kp_position=5.0 * np.array(gains),
+        kd_position=np.zeros(28),
+        kp_velocity=np.full(28, 50.0),
+        k_effort=np.full(28, 255),
+    )
     sim.publish(command)
     sim.advance(8.0)
-    fastest = 0.0
     for _ in range(50):
         sim.advance(0.006)
-        fastest = max(fastest, np.abs(sim.atlas_state.velocity).max())
-    assert fastest < 0.03
+        assert np.abs(sim.atlas_state.velocity).max() < 0.03

@@ -11,8 +11,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import KEPT_EVENTS
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import append_recent
+from atlas_drake.messages.event import Event, append_recent
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
-from atlas_drake.systems.energy_meter import EnergyMeter
+from atlas_drake.systems.run_statistics import EnergyMeter
 
 Figures = dict[str, Any]
 AT_LIMIT = 0.999

@@ -19,7 +19,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.records import TickRecord
 from atlas_drake.records.groups import Balance
 from atlas_drake.robot import Robot
-from atlas_drake.systems.gait_watch import LOADED, UNLOADED
+from atlas_drake.systems.push_source import LOADED, UNLOADED
 
 SLID, TIPPED = "sole slid", "sole tipped"
 STUBBED, LATE = "foot stubbed", "touchdown late"

@@ -26,9 +26,8 @@ from atlas_drake.messages import (
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import MESSAGE, Event
 from atlas_drake.messages.footstep import Footstep, StepAction
-from atlas_drake.messages.plain import message_from
 from atlas_drake.records import Schema
-from atlas_drake.records.plain import to_plain
+from atlas_drake.records.plain import message_from, to_plain
 from atlas_drake.records.schema import TIME
 from atlas_drake.records.tick_record import ContactForce
 

@@ -3,24 +3,27 @@
 Data and validation only, with numpy and the standard library; no Drake, no control.
 """
 
-from atlas_drake.messages.atlas_command import AtlasCommand
-from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
-from atlas_drake.messages.atlas_sim_interface_state import (
+from atlas_drake.messages.atlas_command import AtlasCommand, AtlasSimInterfaceCommand
+from atlas_drake.messages.atlas_state import (
     AtlasPositionData,
     AtlasSimInterfaceState,
+    AtlasState,
+    Imu,
 )
-from atlas_drake.messages.atlas_state import AtlasState
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior import (
+    Behavior,
+    BehaviorStatus,
+    StepStatus,
+    ToeOff,
+    WalkStatus,
+)
 from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorFeedback,
     AtlasBehaviorManipulateFeedback,
     AtlasBehaviorStandFeedback,
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
-    BehaviorStatus,
-    StepStatus,
-    WalkStatus,
 )
 from atlas_drake.messages.behavior_params import (
     NO_STEP,
@@ -34,7 +37,6 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorStepSpec,
     AtlasBehaviorWalkParams,
-    ToeOff,
 )
 from atlas_drake.messages.door import Accepted, Refusal, accept
 from atlas_drake.messages.fields import K_EFFORT_MAX
@@ -46,7 +48,6 @@ from atlas_drake.messages.geometry import (
     Vector3,
     Wrench,
 )
-from atlas_drake.messages.imu import Imu
 
 __all__ = [
     "K_EFFORT_MAX",

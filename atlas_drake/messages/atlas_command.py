@@ -1,11 +1,22 @@
-"""The command to the joint controllers (user mode).
+"""The two commands: to the joint controllers, and to the behaviors.
 
-``door`` checks it; the control law is in ``control.joints.joint_pid``.
+``door`` checks them; ``commands`` merges them into the commands in force.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated, Any
 
+from pydantic import PlainValidator
+
+from atlas_drake.config import plain_number
 from atlas_drake.messages.base import Message
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_params import (
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorStandParams,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorWalkParams,
+)
 from atlas_drake.messages.fields import Byte, Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
 
@@ -48,3 +59,67 @@ class AtlasCommand(Message):
     i_effort_max: Numbers = field(default_factory=list)
     k_effort: Shares = field(default_factory=list)
     desired_controller_period_ms: Byte = 0
+
+
+@dataclass(slots=True, eq=False)
+class AtlasSimInterfaceCommand(Message):
+    """The desired behavior, its parameters, and the share of control of each joint.
+
+    Every array has one element per joint in message order, or is empty and leaves the
+    values in force unchanged.
+
+    Attributes:
+        header: Time at which the command was sent. A stamp earlier than the previous
+            command's is an error.
+        behavior: A ``Behavior``, its number, or its name in any case. An empty message
+            requests NONE.
+        walk_params: Read by WALK.
+        step_params: Read by STEP.
+        stand_params: Read by STAND.
+        manipulate_params: Read by MANIPULATE.
+        params: Read by a user's own behavior: an instance of the dataclass of its
+            parameters; None means defaults.
+        position: Servo positions [rad]. These six arrays set the joint controllers as
+            the arrays of the same names in ``AtlasCommand`` do; the later message
+            counts. They act on joints with a user share above 0.
+        velocity: Servo velocities [rad/s].
+        effort: Servo efforts [N·m].
+        kp_position: Servo gains on position [N·m/rad], not negative.
+        ki_position: Servo gains on the integral of position [N·m/(rad·s)], not
+            negative.
+        kp_velocity: Servo gains on velocity [N·m·s/rad], not negative.
+        k_effort: Share of user control: 0 for the behavior alone, 255 for the user
+            alone. ``AtlasCommand`` sets it too.
+    """
+
+    NONE = Behavior.NONE
+    FREEZE = Behavior.FREEZE
+    STAND_PREP = Behavior.STAND_PREP
+    STAND = Behavior.STAND
+    WALK = Behavior.WALK
+    STEP = Behavior.STEP
+    MANIPULATE = Behavior.MANIPULATE
+    USER = Behavior.USER
+
+    header: Header = field(default_factory=Header)
+    behavior: Annotated[int | str, PlainValidator(plain_number)] = Behavior.NONE
+    walk_params: AtlasBehaviorWalkParams = field(
+        default_factory=AtlasBehaviorWalkParams
+    )
+    step_params: AtlasBehaviorStepParams = field(
+        default_factory=AtlasBehaviorStepParams
+    )
+    stand_params: AtlasBehaviorStandParams = field(
+        default_factory=AtlasBehaviorStandParams
+    )
+    manipulate_params: AtlasBehaviorManipulateParams = field(
+        default_factory=AtlasBehaviorManipulateParams
+    )
+    params: Any = None
+    position: Numbers = field(default_factory=list)
+    velocity: Numbers = field(default_factory=list)
+    effort: Numbers = field(default_factory=list)
+    kp_position: Gains = field(default_factory=list)
+    ki_position: Gains = field(default_factory=list)
+    kp_velocity: Gains = field(default_factory=list)
+    k_effort: Shares = field(default_factory=list)

@@ -1,13 +1,9 @@
-"""Base of all messages: checks of field names, comparison, freezing.
+"""The base of all messages: misspelt fields, comparison, freezing.
 
-Each message has a file of its own; the types of their fields are in ``fields``, and
-``door`` checks their values.
+The types of fields are in ``fields``; ``door`` checks values.
 """
 
 import copy
-import functools
-import operator
-from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -65,13 +61,6 @@ class Message:
                     f"{kind} has no field {name!r} to set.{did_you_mean(name, known)}"
                 ) from None
 
-        def __delattr__(self, name):
-            """Refuse, because a message with a missing field is no message."""
-            raise AttributeError(
-                f"Fields of {type(self).__name__} cannot be deleted; set {name!r} "
-                "to an empty value."
-            )
-
     @property
     def is_frozen(self) -> bool:
         """True if this message and those within do not change."""
@@ -89,14 +78,7 @@ class Message:
         """Compare all fields; lists, tuples and arrays by their elements."""
         if type(other) is not type(self):
             return NotImplemented
-        get: Any = compared(type(self))  # type: ignore[arg-type]
-        mine, theirs = get(self), get(other)
-        try:
-            if mine == theirs:
-                return True
-        except ValueError:  # Two arrays have more than one answer.
-            pass
-        return all(map(same, mine, theirs))
+        return same_fields(self, other)
 
     # A mutable value has no lasting hash.
     __hash__ = None  # type: ignore[assignment]
@@ -105,11 +87,9 @@ class Message:
         """Return a deep copy; a frozen message is its own copy."""
         if self._frozen:
             return self
-        twin = type(self).__new__(type(self))
-        memo[id(self)] = twin
+        memo[id(self)] = twin = copy.copy(self)
         for item in fields(self):  # type: ignore[arg-type]
-            value = copy.deepcopy(getattr(self, item.name), memo)
-            object.__setattr__(twin, item.name, value)
+            setattr(twin, item.name, copy.deepcopy(getattr(self, item.name), memo))
         return twin
 
     @classmethod
@@ -131,45 +111,25 @@ def _frozen(value: Any) -> Any:
     return value
 
 
-@functools.cache
-def compared(kind: type) -> Callable[[Any], tuple[Any, ...]]:
-    """Return a function that reads the fields of a dataclass that are compared."""
-    names = [item.name for item in fields(kind) if item.compare]
-    if len(names) > 1:
-        return operator.attrgetter(*names)
-    return lambda value: tuple(getattr(value, name) for name in names)
-
-
 def same(a: Any, b: Any) -> bool:
-    """Return True if two values of a field are equal.
-
-    Lists, tuples and arrays are compared by their elements, dataclasses and mappings by
-    their values, and objects that do not define equality by their type. NaN equals NaN.
-    """
-    if _is_numeric(a) and _is_numeric(b):
-        return np.array_equal(a, b, equal_nan=True)
-    if _is_sequence(a) and _is_sequence(b):
+    """Return True if two values are equal; sequences by element, NaN equals NaN."""
+    if a is b:
+        return True
+    a, b = (x.tolist() if isinstance(x, np.ndarray) else x for x in (a, b))
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
         return len(a) == len(b) and all(map(same, a, b))
-    if type(a) is not type(b):
-        return bool(np.all(a == b))
-    if isinstance(a, dict):
-        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
-    if is_dataclass(a) and not isinstance(a, type | Message):
-        get = compared(type(a))
-        return all(map(same, get(a), get(b)))
-    both_nan = bool(np.all(a != a) and np.all(b != b))
-    return bool(np.all(a == b)) or both_nan or not _defines_equality(type(a))
+    if type(a) is type(b):
+        if isinstance(a, dict):
+            return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+        if is_dataclass(a) and not isinstance(a, type | Message):
+            return same_fields(a, b)
+    return bool(a == b) or bool(a != a and b != b)
 
 
-def _defines_equality(kind: Any) -> bool:
-    return kind.__eq__ is not object.__eq__
-
-
-def _is_numeric(value: Any) -> bool:
-    return isinstance(value, np.ndarray) and value.dtype.kind in "biuf"
-
-
-def _is_sequence(value: Any) -> bool:
-    return isinstance(value, list | tuple) or (
-        isinstance(value, np.ndarray) and value.ndim > 0
+def same_fields(a: Any, b: Any) -> bool:
+    """Compare those fields of two values of a dataclass that take part."""
+    return all(
+        same(getattr(a, item.name), getattr(b, item.name))
+        for item in fields(a)
+        if item.compare
     )

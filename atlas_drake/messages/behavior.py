@@ -1,14 +1,11 @@
-"""The behaviors of the original interface, by number and name.
+"""The numbers of the interface: behaviors, their status flags, settings of a step.
 
 The catalog of all behaviors, including the user's own, is in ``behavior_catalog``.
 """
 
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from functools import cache
 from typing import Any
-
-_WHOLE = tuple("bcdnoxX")
-"""Format specification types for whole numbers."""
 
 
 class Behavior(IntEnum):
@@ -37,12 +34,6 @@ class Behavior(IntEnum):
         """Return the member of that name, or a value beside the members.
 
         A user's own behavior is such a value: it has a name and a number as members do.
-        Two values are equal if their numbers are equal, and the same object if name and
-        number are equal.
-
-        Args:
-            number: Number of the behavior.
-            name: Name of the behavior in capitals.
         """
         if name in Behavior.__members__:
             return Behavior[name]
@@ -53,13 +44,75 @@ class Behavior(IntEnum):
     def __reduce_ex__(self, _protocol: object) -> tuple[Any, ...]:
         return Behavior.named, (self._value_, self._name_)
 
-    def __deepcopy__(self, _memo: object) -> "Behavior":
-        return self
-
     def __str__(self) -> str:
         """Return the name, for readers; ``int`` returns the number."""
         return self.name
 
     def __format__(self, spec: str) -> str:
-        """Format the name, or the number if the specification is for a whole number."""
-        return format(int(self) if spec[-1:] in _WHOLE else self.name, spec)
+        """Format the name."""
+        return format(self.name, spec)
+
+
+class BehaviorStatus(IntFlag):
+    """Bits of ``AtlasBehaviorFeedback.status_flags``."""
+
+    OK = 0
+    """Nothing to report."""
+    TRANSITION_IN_PROGRESS = 1
+    """A transition is pending: the behavior that is left completes its motion first."""
+    TRANSITION_SUCCESS = 2
+    """The requested behavior is active."""
+    FAILED_TRANS_UNKNOWN_BEHAVIOR = 4
+    """The requested behavior does not exist."""
+    FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
+    """The requested behavior may not follow the active one."""
+    FAILED_TRANS_COM_POS = 16
+    """The center of mass is not over the feet, or the robot falls or lies."""
+    FAILED_TRANS_COM_VEL = 32
+    """The center of mass moves too fast."""
+    FAILED_TRANS_VEL = 64
+    """A joint moves too fast."""
+    WARNING_AUTO_TRANS = 128
+    """The behavior ended by itself, and STAND followed."""
+    ERROR_FALLING = 256
+    """The robot falls or lies on the ground; its motors only damp its joints."""
+
+
+class WalkStatus(IntFlag):
+    """Bits of ``AtlasBehaviorWalkFeedback.status_flags``."""
+
+    OKAY = 0
+    """Nothing to report."""
+    SUBSTATE_SWAYING = 1
+    """The weight moves over the first stance foot."""
+    SUBSTATE_STEPPING = 2
+    """The robot takes steps."""
+    SUBSTATE_CATCHING = 4
+    """The last step is taken, and the robot comes to rest."""
+    WARNING_INSUFFICIENT_STEP_DATA = 8
+    """There was no next step in time: the walk ends."""
+    ERROR_INCONSISTENT_STEPS = 16
+    """The next step cannot follow: it is for the same foot again, leads too far up or
+    down, or to another level out of reach. The walk ends."""
+
+
+class StepStatus(IntFlag):
+    """Bits of ``AtlasBehaviorStepFeedback.status_flags``."""
+
+    OKAY = 0
+    """Nothing to report."""
+    SUBSTATE_SWAYING = 1
+    """The weight moves over the stance foot, or back."""
+    SUBSTATE_STEPPING = 2
+    """A foot is in the air."""
+
+
+class ToeOff(IntEnum):
+    """Values of ``AtlasBehaviorStepAction.toe_off``."""
+
+    DISABLE = 0
+    """Both soles stay flat."""
+    ENABLE = 1
+    """The heel of the trailing foot may rise if the leg would be too short."""
+    FORCE_ENABLE = 2
+    """The heel of the trailing foot rises in every step."""

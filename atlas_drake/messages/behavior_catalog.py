@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -20,10 +20,9 @@ from atlas_drake.errors import (
     InvalidMessageError,
     described,
     did_you_mean,
-    shown,
 )
 from atlas_drake.frozen import Frozen
-from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.atlas_command import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_params import (
     AtlasBehaviorManipulateParams,
@@ -36,8 +35,6 @@ from atlas_drake.messages.fields import MAX_INDEX
 FIRST_NUMBER = 100
 """Lowest number of a user's own behavior; lower numbers belong to the original
 interface."""
-_NAME = re.compile(r"[A-Z][A-Z0-9_]*")
-_COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 
 
 class BehaviorError(AtlasError):
@@ -81,14 +78,44 @@ class BehaviorInterface(Frozen):
         """The caption, or the name without underscores if there is no caption."""
         return self.caption or self.name.replace("_", " ")
 
+    def faults(self) -> Iterator[str]:
+        """Yields what prevents the registration of this entry."""
+        if not re.fullmatch("[A-Z][A-Z0-9_]*", str(self.name)):
+            yield "its name must have capitals, digits and underscores only"
+        is_shipped = self.name in Behavior.__members__
+        if is_shipped and Behavior[self.name] != self.number:
+            yield "the original interface has a behavior of that name"
+        lowest = 0 if is_shipped else FIRST_NUMBER
+        if not is_whole(self.number) or not lowest <= self.number <= MAX_INDEX:
+            yield f"its number must be a whole number from {FIRST_NUMBER}"
+        if not re.fullmatch("#[0-9a-fA-F]{6}", str(self.color)):
+            yield "its color must be a hexadecimal color, such as '#7cb342'"
+        if self.params is not None and not (
+            isinstance(self.params, type) and dataclasses.is_dataclass(self.params)
+        ):
+            yield "params must be a dataclass"
+
+    def check_params(self, params: object) -> None:
+        """Raises InvalidMessageError if the behavior cannot use these parameters."""
+        assert self.params is not None
+        if not isinstance(params, self.params):
+            problem = f"must be {self.params.__name__}, is {type(params).__name__}"
+            raise InvalidMessageError(self.params_field, params, problem)
+        if self.check is None:
+            return
+        try:
+            self.check(params, self.params_field)
+        except InvalidMessageError:
+            raise
+        except Exception as error:
+            # An exception in a user's check must not end the simulation.
+            problem = f"the check of {self.name} failed with {error!r}"
+            raise InvalidMessageError(self.params_field, params, problem) from error
+
 
 @dataclass(frozen=True)
 class BehaviorCatalog(Frozen):
-    """All behaviors of a controller.
-
-    Attributes:
-        entries: The behaviors in the order of display.
-    """
+    """All behaviors of a controller, in the order of display."""
 
     entries: tuple[BehaviorInterface, ...]
 
@@ -98,18 +125,18 @@ class BehaviorCatalog(Frozen):
         Raises:
             BehaviorError: If they are not.
         """
-        names: dict[str, BehaviorInterface] = {}
-        numbers: dict[int, BehaviorInterface] = {}
+        known: dict[str | int, BehaviorInterface] = {}
         for entry in self.entries:
-            _check_sound(entry)
-            for known, key in ((names, entry.name), (numbers, entry.number)):
+            label = f"behavior {entry.name!r} ({entry.number!r})"
+            for fault in entry.faults():
+                raise BehaviorError(f"{label}: {fault}")
+            for key in (entry.name, entry.number):
                 if key in known:
                     raise BehaviorError(
-                        f"behavior {entry.name} ({entry.number}): "
-                        f"{known[key].name} ({known[key].number}) "  # type: ignore[index]
-                        "is registered already; choose another name and number"
+                        f"{label}: {known[key].name} ({known[key].number}) is "
+                        "registered already; choose another name and number"
                     )
-                known[key] = entry  # type: ignore[index]
+                known[key] = entry
 
     def __iter__(self) -> Iterator[BehaviorInterface]:
         return iter(self.entries)
@@ -164,96 +191,17 @@ class BehaviorCatalog(Frozen):
             InvalidMessageError: If anything in them cannot be applied; it names the
                 field.
         """
-        asked = self.entry(self.find(message.behavior))
-        reads_params = asked.params is not None and asked.params_field == "params"
-        if message.params is not None and not reads_params:
-            reads = (
-                f"reads {asked.params_field}" if asked.params else "has no parameters"
-            )
-            raise InvalidMessageError(
-                "params",
-                message.params,
-                f"is for the user's own behaviors; {asked.name} {reads}",
-            )
+        requested = self.entry(self.find(message.behavior))
         for entry in self.entries:
             # The fields of the original interface count for any requested behavior.
             if entry.params is not None and entry.params_field != "params":
-                _check(entry, getattr(message, entry.params_field))
-        if message.params is not None:
-            _check(asked, message.params)
-
-
-def _check(entry: BehaviorInterface, params: object) -> None:
-    assert entry.params is not None
-    if not isinstance(params, entry.params):
-        problem = f"must be {entry.params.__name__}, is {type(params).__name__}"
-        raise InvalidMessageError(entry.params_field, params, problem)
-    if entry.check is None:
-        return
-    try:
-        entry.check(params, entry.params_field)
-    except InvalidMessageError:
-        raise
-    except Exception as error:
-        # An exception in a user's check must not end the simulation.
-        raise InvalidMessageError(
-            entry.params_field,
-            params,
-            f"the check of {entry.name} failed with {type(error).__name__}: {error}",
-        ) from error
-
-
-def _check_sound(entry: BehaviorInterface) -> None:
-    """Check that an entry can be used.
-
-    Raises:
-        BehaviorError: If not; it names the entry and the problem.
-    """
-    label = f"behavior {entry.name!r}"
-    if not (isinstance(entry.name, str) and _NAME.fullmatch(entry.name)):
-        raise BehaviorError(f"{label}: a name has capitals, digits and underscores")
-    shipped = entry.name in Behavior.__members__
-    if shipped and Behavior[entry.name] != entry.number:
-        raise BehaviorError(f"{label} is one of the original interface")
-    least = 0 if shipped else FIRST_NUMBER
-    if not is_whole(entry.number) or not least <= entry.number <= MAX_INDEX:
-        raise BehaviorError(
-            f"{label}: its number must be a whole number from {FIRST_NUMBER} to "
-            f"{MAX_INDEX}, is {shown(entry.number)}"
-        )
-    if not (isinstance(entry.color, str) and _COLOR.fullmatch(entry.color)):
-        raise BehaviorError(
-            f"{label}: its color must be a hexadecimal color, such as '#7cb342', is "
-            f"{shown(entry.color)}"
-        )
-    if entry.params is not None and not (
-        isinstance(entry.params, type) and dataclasses.is_dataclass(entry.params)
-    ):
-        raise BehaviorError(
-            f"{label}: params must be a dataclass, is {shown(entry.params)}"
-        )
-
-
-def _shipped() -> Iterable[BehaviorInterface]:
-    """The behaviors of the original interface."""
-    for behavior, color, description in (
-        (Behavior.NONE, "#9e9e9e", "No behavior, controls disabled."),
-        (Behavior.FREEZE, "#4fc3d9", "Safety: hold still."),
-        (Behavior.STAND_PREP, "#b39ddb", "Go to the pose from which STAND can begin."),
-        (Behavior.STAND, "#7cb342", "Balance on both feet."),
-        (Behavior.WALK, "#42a5f5", "Walk dynamically over a queue of steps."),
-        (Behavior.STEP, "#26a69a", "Take one quasi-static step at a time."),
-        (Behavior.MANIPULATE, "#ec407a", "Balance with a servoed pelvis."),
-        (Behavior.USER, "#ffb74d", "All joints return to the user at once."),
-    ):
-        yield BehaviorInterface(
-            name=behavior.name,
-            number=behavior.value,
-            color=color,
-            description=description,
-            params=_PARAMS.get(behavior),
-            params_field=f"{behavior.name.lower()}_params",
-        )
+                entry.check_params(getattr(message, entry.params_field))
+        if message.params is None:
+            return
+        if requested.params is None or requested.params_field != "params":
+            problem = f"is for the user's own behaviors; {requested.name} has none"
+            raise InvalidMessageError("params", message.params, problem)
+        requested.check_params(message.params)
 
 
 _PARAMS: dict[Behavior, type] = {
@@ -262,5 +210,26 @@ _PARAMS: dict[Behavior, type] = {
     Behavior.STAND: AtlasBehaviorStandParams,
     Behavior.MANIPULATE: AtlasBehaviorManipulateParams,
 }
-SHIPPED = BehaviorCatalog(tuple(_shipped()))
+SHIPPED = BehaviorCatalog(
+    tuple(
+        BehaviorInterface(
+            name=behavior.name,
+            number=behavior.value,
+            color=color,
+            description=description,
+            params=_PARAMS.get(behavior),
+            params_field=f"{behavior.name.lower()}_params",
+        )
+        for behavior, color, description in (
+            (Behavior.NONE, "#9e9e9e", "No behavior, controls disabled."),
+            (Behavior.FREEZE, "#4fc3d9", "Safety: hold still."),
+            (Behavior.STAND_PREP, "#b39ddb", "Go to the pose in which STAND begins."),
+            (Behavior.STAND, "#7cb342", "Balance on both feet."),
+            (Behavior.WALK, "#42a5f5", "Walk dynamically over a queue of steps."),
+            (Behavior.STEP, "#26a69a", "Take one quasi-static step at a time."),
+            (Behavior.MANIPULATE, "#ec407a", "Balance with a servoed pelvis."),
+            (Behavior.USER, "#ffb74d", "All joints return to the user at once."),
+        )
+    )
+)
 """The behaviors of the original interface."""

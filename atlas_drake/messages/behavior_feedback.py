@@ -4,71 +4,20 @@ The parameters of the behaviors are in ``behavior_params``.
 """
 
 from dataclasses import dataclass, field
-from enum import IntFlag
 
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior import (
+    Behavior,
+    BehaviorStatus,
+    StepStatus,
+    WalkStatus,
+)
 from atlas_drake.messages.behavior_params import (
     AtlasBehaviorPelvisServoParams,
     AtlasBehaviorStepData,
     AtlasBehaviorStepSpec,
     empty_step_queue,
 )
-
-
-class BehaviorStatus(IntFlag):
-    """Bits of ``AtlasBehaviorFeedback.status_flags``."""
-
-    OK = 0
-    """Nothing to report."""
-    TRANSITION_IN_PROGRESS = 1
-    """A transition is pending: the behavior that is left completes its motion first."""
-    TRANSITION_SUCCESS = 2
-    """The requested behavior is active."""
-    FAILED_TRANS_UNKNOWN_BEHAVIOR = 4
-    """The requested behavior does not exist."""
-    FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
-    """The requested behavior may not follow the active one."""
-    FAILED_TRANS_COM_POS = 16
-    """The center of mass is not over the feet, or the robot falls or lies."""
-    FAILED_TRANS_COM_VEL = 32
-    """The center of mass moves too fast."""
-    FAILED_TRANS_VEL = 64
-    """A joint moves too fast."""
-    WARNING_AUTO_TRANS = 128
-    """The behavior ended by itself, and STAND followed."""
-    ERROR_FALLING = 256
-    """The robot falls or lies on the ground; its motors only damp its joints."""
-
-
-class WalkStatus(IntFlag):
-    """Bits of ``AtlasBehaviorWalkFeedback.status_flags``."""
-
-    OKAY = 0
-    """Nothing to report."""
-    SUBSTATE_SWAYING = 1
-    """The weight moves over the first stance foot."""
-    SUBSTATE_STEPPING = 2
-    """The robot takes steps."""
-    SUBSTATE_CATCHING = 4
-    """The last step is taken, and the robot comes to rest."""
-    WARNING_INSUFFICIENT_STEP_DATA = 8
-    """There was no next step in time: the walk ends."""
-    ERROR_INCONSISTENT_STEPS = 16
-    """The next step cannot follow: it is for the same foot again, leads too far up or
-    down, or to another level out of reach. The walk ends."""
-
-
-class StepStatus(IntFlag):
-    """Bits of ``AtlasBehaviorStepFeedback.status_flags``."""
-
-    OKAY = 0
-    """Nothing to report."""
-    SUBSTATE_SWAYING = 1
-    """The weight moves over the stance foot, or back."""
-    SUBSTATE_STEPPING = 2
-    """A foot is in the air."""
-
 
 _WALK_SUBSTATES = (
     WalkStatus.SUBSTATE_SWAYING

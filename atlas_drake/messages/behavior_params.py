@@ -4,7 +4,6 @@ The feedback of the behaviors is in ``behavior_feedback``.
 """
 
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import Annotated, Any
 
 from annotated_types import Interval
@@ -13,6 +12,7 @@ from pydantic import AfterValidator, WrapValidator
 from atlas_drake.config import is_whole
 from atlas_drake.errors import ErrorCode, InvalidMessageError
 from atlas_drake.messages.base import Message
+from atlas_drake.messages.behavior import ToeOff
 from atlas_drake.messages.fields import (
     MAX_INDEX,
     Flag,
@@ -125,18 +125,7 @@ class AtlasBehaviorWalkParams(Message):
     use_relative_step_height: Flag = False
 
 
-class ToeOff(IntEnum):
-    """Values of ``AtlasBehaviorStepAction.toe_off``."""
-
-    DISABLE = 0
-    """Both soles stay flat."""
-    ENABLE = 1
-    """The heel of the trailing foot may rise if the leg would be too short."""
-    FORCE_ENABLE = 2
-    """The heel of the trailing foot rises in every step."""
-
-
-Normal = Annotated[Vector3, not_zero("xyz", "x = y = 0, z = 1 is level ground")]
+Normal = Annotated[Vector3, not_zero("xyz")]
 """A vector that has a direction."""
 
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from atlas_drake.config import as_float, is_whole
+from atlas_drake.config import as_float
 from atlas_drake.errors import InvalidMessageError, shown
 from atlas_drake.messages.fields import LARGEST
 
@@ -16,36 +16,28 @@ from atlas_drake.messages.fields import LARGEST
 def check_number(
     value: object,
     field: str,
-    lower: float = -math.inf,
-    upper: float = math.inf,
+    lower: float = -LARGEST,
+    upper: float = LARGEST,
     *,
     strictly: bool = False,
     whole: bool = False,
 ) -> float:
-    """Check that a value is a finite number, not too large and not too small.
+    """Check that a value is a number from ``lower`` to ``upper``, and return it.
 
     Args:
         value: The value; truth values are not numbers.
-        field: Path of the value in its message.
-        lower: The least value allowed, in the field's unit.
-        upper: The largest value allowed.
+        field: Name of the argument, for the error.
+        lower: Least value, in the field's unit.
+        upper: Greatest value.
         strictly: The value must be greater than ``lower``.
         whole: Only whole numbers are allowed.
 
-    Returns:
-        The number.
-
     Raises:
-        InvalidMessageError: If it is not a number, not finite, beyond ``LARGEST``, out
-            of bounds, or not whole.
+        InvalidMessageError: If it is not; it names the field.
     """
     number = as_float(value)
-    if number is None:
-        requirement = "a number"
-    elif not math.isfinite(number):
-        requirement = "finite"
-    elif abs(number) > LARGEST:
-        requirement = f"within ±{LARGEST:g}"
+    if number is None or not math.isfinite(number):
+        requirement = "a finite number"
     elif number < lower or (strictly and number == lower):
         requirement = f"{'greater than' if strictly else 'at least'} {lower:g}"
     elif number > upper:
@@ -60,34 +52,23 @@ def check_number(
 def check_vector(
     values: object, field: str, size: int, largest: float = LARGEST
 ) -> NDArray[np.float64]:
-    """Check that a value has ``size`` finite numbers, none larger than ``largest``.
-
-    Returns:
-        The numbers; shape (size,).
+    """Check that a value has ``size`` numbers within ±``largest``; return an array.
 
     Raises:
-        InvalidMessageError: If it is no list, tuple or array of such numbers.
+        InvalidMessageError: If it has not; it names the field.
     """
-    is_list = isinstance(values, (list, tuple)) or (
-        isinstance(values, np.ndarray)
-        and values.ndim == 1
-        and not isinstance(values, np.ma.MaskedArray)
-    )
-    numbers = [as_float(element) for element in values] if is_list else []  # type: ignore[attr-defined]
-    vector = np.array([math.nan if number is None else number for number in numbers])
-    if vector.shape != (size,) or not np.isfinite(vector).all():
-        problem = f"must be {size} finite numbers, is {shown(values)}"
-        raise InvalidMessageError(field, values, problem)
-    if np.abs(vector).max() > largest:
-        problem = f"must be within ±{largest:g}, is {shown(values)}"
+    values = values.tolist() if isinstance(values, np.ndarray) else values
+    numbers = [*map(as_float, values)] if isinstance(values, list | tuple) else []
+    vector = np.array(numbers, dtype=float)  # None becomes NaN.
+    if vector.shape != (size,) or not (np.abs(vector) <= largest).all():
+        problem = f"must be {size} numbers within ±{largest:g}, is {shown(values)}"
         raise InvalidMessageError(field, values, problem)
     return vector
 
 
 def check_flag(value: object, field: str) -> None:
     """Raise InvalidMessageError unless the value is True or False."""
-    yes_or_no = isinstance(value, (bool, np.bool_)) or is_whole(value)
-    if not (yes_or_no and value in (0, 1)):
+    if not isinstance(value, bool | np.bool_):
         raise InvalidMessageError(
             field, value, f"must be True or False, is {shown(value)}"
         )

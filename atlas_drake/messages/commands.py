@@ -5,7 +5,6 @@ what is in force, changes nothing but the error code.
 """
 
 import logging
-import math
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -24,23 +23,27 @@ from atlas_drake.messages import (
     accept,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.messages.door import Command, check_order
-from atlas_drake.messages.event import MESSAGE, REFUSAL, Event
+from atlas_drake.messages.door import check_order
+from atlas_drake.messages.event import (
+    MESSAGE,
+    REFUSAL,
+    Event,
+    append_recent,
+    items_since,
+)
 from atlas_drake.messages.joint_command import JointCommand
-from atlas_drake.messages.recent import append_recent, items_since
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
+KEPT = 50
+"""Number of requests and events to keep; none younger than READ_WITHIN is dropped."""
+SAME_FAULT = 1.0
+"""Time within which a refusal for the same field is not logged again [s]."""
 
 
 @dataclass(frozen=True)
 class Sent(Frozen):
-    """A command on a port that is new, even if it equals the one before it.
-
-    Attributes:
-        message: The command.
-        number: Number of the sending.
-    """
+    """A command on a port that is new, even if it equals the one before it."""
 
     message: Any
     number: int
@@ -48,12 +51,7 @@ class Sent(Frozen):
 
 @dataclass(frozen=True)
 class Seen(Frozen):
-    """What was last on a port.
-
-    Attributes:
-        value: Value of the port if it cannot change, else NOTHING.
-        outcome: What the door said about it.
-    """
+    """What was last on a port: its value if that cannot change, and its outcome."""
 
     value: Any = NOTHING
     outcome: Accepted | Refusal | None = None
@@ -83,34 +81,19 @@ class BehaviorRequest(Frozen):
 
 @dataclass(frozen=True)
 class ActiveCommand(Frozen):
-    """All values that commands have set.
-
-    Attributes:
-        joints: Set-points and gains of the PID bank, and the user's share per joint.
-        requests: The latest requests to the behavior controller, oldest first.
-        catalog: The behaviors that can be requested.
-        error_code: Error code of the last message; NO_ERRORS if it was accepted.
-        events: The latest messages as events, oldest first: one for each, accepted or
-            refused.
-        received: Number of all messages, and so of their events.
-        refused: Number of all refused messages.
-        atlas_command: What was last on the port of joint commands.
-        sim_command: What was last on the port of behavior commands.
-        atlas_stamp: Time stamp of the last accepted joint command [s].
-        sim_stamp: Time stamp of the last accepted behavior command [s].
-    """
+    """All values that commands have set."""
 
     joints: JointCommand
-    requests: tuple[BehaviorRequest, ...]
+    requests: tuple[BehaviorRequest, ...]  # The latest ones, oldest first.
     catalog: BehaviorCatalog = SHIPPED
-    error_code: ErrorCode = ErrorCode.NO_ERRORS
-    events: tuple[Event, ...] = ()
-    received: int = 0
+    error_code: ErrorCode = ErrorCode.NO_ERRORS  # Of the last message.
+    events: tuple[Event, ...] = ()  # One for each of the latest messages.
+    received: int = 0  # Number of all messages, and so of their events.
     refused: int = 0
     atlas_command: Seen = Seen()
     sim_command: Seen = Seen()
-    atlas_stamp: float | None = None
-    sim_stamp: float | None = None
+    atlas_stamp: float | None = None  # Of the last accepted joint command [s].
+    sim_stamp: float | None = None  # Of the last accepted behavior command [s].
 
     @property
     def request(self) -> BehaviorRequest:
@@ -123,11 +106,6 @@ class ActiveCommand(Frozen):
         return self.joints.k_effort
 
 
-KEPT = 50
-"""Number of requests and events to keep; none younger than READ_WITHIN is
-dropped."""
-
-
 def commands_at_start(
     robot: Robot, behavior: Behavior, catalog: BehaviorCatalog = SHIPPED
 ) -> ActiveCommand:
@@ -138,8 +116,7 @@ def commands_at_start(
     """
     zero = np.zeros(robot.num_joints)
     user = behavior in (Behavior.USER, Behavior.NONE)
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
+    command = AtlasSimInterfaceCommand(behavior=behavior).freeze()
     return ActiveCommand(
         joints=JointCommand(
             position=robot.stand_prep,
@@ -153,7 +130,7 @@ def commands_at_start(
             i_effort_max=zero,
             k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         ),
-        requests=(BehaviorRequest(behavior, command.freeze(), number=0),),
+        requests=(BehaviorRequest(behavior, command, number=0),),
         catalog=catalog,
     )
 
@@ -167,20 +144,12 @@ def latch(
 ) -> ActiveCommand:
     """Applies the messages on the two command ports that are new.
 
-    When both are new the joint command is applied first, unless its stamp is later.
-
-    Args:
-        force: Commands in force so far.
-        atlas_command: Joint command; NOTHING without a message.
-        sim_command: Behavior command; NOTHING without a message.
-        robot: The robot of the messages.
-        time: Present time [s].
+    When both are new the joint command is applied first, unless its stamp is later. A
+    port without a message has NOTHING.
     """
     seen = look(force, atlas_command, sim_command, robot)
     new = [port for port in seen if seen[port] is not getattr(force, port)]
-    if len(new) == 2 and _stamp(seen[new[0]]) > _stamp(seen[new[1]]):
-        new.reverse()
-    for port in new:
+    for port in sorted(new, key=lambda port: _stamp(seen[port])):
         outcome = seen[port].outcome
         assert outcome is not None
         after, _ = receive(force, outcome, robot, time)
@@ -196,26 +165,21 @@ def look(
     A message is new if it differs from the last one on its port in the form that the
     door gives it, and a refused one if its refusal differs. A ``Sent`` command is new.
     """
-    found = {}
-    for port, value in (("atlas_command", atlas_command), ("sim_command", sim_command)):
-        seen: Seen = getattr(force, port)
-        found[port] = seen
+    found: dict[str, Seen] = {}
+    for port, value, kind in (
+        ("atlas_command", atlas_command, AtlasCommand),
+        ("sim_command", sim_command, AtlasSimInterfaceCommand),
+    ):
+        seen = found[port] = getattr(force, port)
         if value is NOTHING or value is seen.value:
             continue
         is_sent = isinstance(value, Sent)
         message = value.message if is_sent else value
-        outcome = accept(message, robot, force.catalog, kind=_KINDS[port])
+        outcome = accept(message, robot, force.catalog, kind=kind)
         if is_sent or outcome != seen.outcome:
             lasts = is_sent or (isinstance(value, Message) and value.is_frozen)
             found[port] = Seen(value if lasts else NOTHING, outcome)
     return found
-
-
-_KINDS: dict[str, type[Command]] = {
-    "atlas_command": AtlasCommand,
-    "sim_command": AtlasSimInterfaceCommand,
-}
-"""The kind of message on each port."""
 
 
 def _stamp(seen: Seen) -> float:
@@ -227,80 +191,62 @@ def _stamp(seen: Seen) -> float:
 def receive(
     force: ActiveCommand, outcome: Accepted | Refusal, robot: Robot, time: float
 ) -> tuple[ActiveCommand, Refusal | None]:
-    """Applies a message that is new, or records its refusal.
+    """Applies a message that is new; also returns why it is refused, if it is.
 
-    Args:
-        force: Commands in force so far.
-        outcome: What the door says of the message.
-        robot: The robot of the message.
-        time: Present time [s].
-
-    Returns:
-        The commands in force after that, and why the message is refused, if it is.
+    ``outcome`` is what the door says of the message.
     """
     number = force.received + 1
     force = replace(force, received=number)
+    refusal = outcome if isinstance(outcome, Refusal) else None
     if isinstance(outcome, Accepted):
         try:
-            after = _applied(force, outcome, robot, time)
-            return _noted(after, accepted_event(time, number, outcome.message)), None
+            force = _applied(force, outcome, robot, time)
         except InvalidMessageError as error:
-            outcome = Refusal.of(error, outcome.kind)
-    force = replace(force, error_code=outcome.error_code, refused=force.refused + 1)
-    data = {"number": number, "command": outcome.kind.__name__, "field": outcome.field}
-    return _noted(force, Event(time, REFUSAL, outcome.text, data)), outcome
-
-
-def _noted(force: ActiveCommand, event: Event) -> ActiveCommand:
-    return replace(force, events=append_recent(force.events, event, KEPT))
-
-
-def accepted_event(time: float, number: int, message: Command) -> Event:
-    """Returns the event of a message that was accepted.
-
-    Args:
-        time: Time of receipt [s].
-        number: Number of the message.
-        message: The message, as the door gave it.
-    """
-    data = {"number": number, "message": message}
-    return Event(time, MESSAGE, type(message).__name__, data)
+            refusal = Refusal.of(error, outcome.kind)
+    data: dict[str, Any] = {"number": number}
+    if refusal is None:
+        assert isinstance(outcome, Accepted)
+        data["message"] = outcome.message
+        event = Event(time, MESSAGE, outcome.kind.__name__, data)
+    else:
+        force = replace(force, error_code=refusal.error_code, refused=force.refused + 1)
+        data |= {"command": refusal.kind.__name__, "field": refusal.field}
+        event = Event(time, REFUSAL, f"refused: {refusal.error}", data)
+    return replace(force, events=append_recent(force.events, event, KEPT)), refusal
 
 
 def log_refusals(before: ActiveCommand, after: ActiveCommand) -> None:
     """Warns of messages refused since ``before``, once for a repeated fault."""
-    if after.refused == before.refused:
-        return
-    heard = {_place(e): e.time for e in before.events if e.kind == REFUSAL}
+    refusals = [event for event in before.events if event.kind == REFUSAL]
     for event in items_since(after.events, after.received, before.received):
         if event.kind != REFUSAL:
             continue
-        last = heard.get(_place(event), -math.inf)
-        if not 0.0 <= event.time - last < SAME_FAULT:
+        if not any(_repeats(event, earlier) for earlier in refusals):
             _log.warning("t = %.3f s: %s", event.time, event.text)
-        heard[_place(event)] = event.time
+        refusals.append(event)
 
 
-def _place(event: Event) -> tuple[str, str]:
-    """Returns kind of message and field at fault."""
-    return event.data["command"], event.data["field"]
-
-
-SAME_FAULT = 1.0
-"""Time after which another refusal for the same field of a port is logged again [s]."""
+def _repeats(event: Event, earlier: Event) -> bool:
+    is_same = all(event.data[key] == earlier.data[key] for key in ("command", "field"))
+    return is_same and 0.0 <= event.time - earlier.time < SAME_FAULT
 
 
 def _applied(
     force: ActiveCommand, accepted: Accepted, robot: Robot, time: float
 ) -> ActiveCommand:
-    """Applies a message.
-
-    Raises:
-        InvalidMessageError: If the message contradicts what is in force.
-    """
+    """Applies a message, or raises InvalidMessageError if it contradicts the others."""
     message, given = accepted.message, accepted.joints
     stamp_field = "atlas_stamp" if accepted.kind is AtlasCommand else "sim_stamp"
-    _check_stamp(message.header.stamp, getattr(force, stamp_field))
+    stamp, last = message.header.stamp, getattr(force, stamp_field)
+    # A stamp of 0 means "now", which is never too early.
+    if stamp and last is not None and stamp < last:
+        raise InvalidMessageError(
+            "header.stamp",
+            stamp,
+            f"time ran backward: {stamp:g} s is earlier than {last:g} s, the stamp of "
+            "the message before; 0 means now",
+            ErrorCode.TIME_RAN_BACKWARD,
+        )
     requests = force.requests
     if isinstance(message, AtlasSimInterfaceCommand):
         behavior = force.catalog.find(message.behavior)
@@ -320,17 +266,5 @@ def _applied(
         joints=joints,
         requests=requests,
         error_code=ErrorCode.NO_ERRORS,
-        **{stamp_field: message.header.stamp or time},
+        **{stamp_field: stamp or time},
     )
-
-
-def _check_stamp(stamp: float | None, last: float | None) -> None:
-    # A stamp of 0 means "now", which is never too early.
-    if stamp and last is not None and stamp < last:
-        raise InvalidMessageError(
-            "header.stamp",
-            stamp,
-            f"time ran backward: {stamp:g} s is earlier than {last:g} s, the stamp of "
-            "the message before; 0 means now",
-            ErrorCode.TIME_RAN_BACKWARD,
-        )

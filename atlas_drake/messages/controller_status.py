@@ -7,20 +7,21 @@ Efforts have a separate port.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
-from atlas_drake.config import as_float, is_whole
+from atlas_drake.config import as_float
 from atlas_drake.errors import ErrorCode, shown
-from atlas_drake.frozen import Frozen, read_only
+from atlas_drake.frozen import Frozen
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import AtlasBehaviorFeedback
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.footstep import Footstep
+from atlas_drake.messages.footstep import Footstep, points
 
-LARGEST_SUPPORT = 8
+MAX_CORNERS = 8
 """Greatest number of corners of the support polygon of two rectangular soles."""
 
 
@@ -47,8 +48,8 @@ class PlannedPaths(Frozen):
             ValueError: If a field does not hold points; it names the field.
         """
         for name in ("com", "dcm", "cop"):
-            _take_array(self, name, (-1, 2))
-        _take_array(self, "swing", (-1, 3))
+            _take_points(self, name, (-1, 2))
+        _take_points(self, "swing", (-1, 3))
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Plan(Frozen):
 
     Attributes:
         support: Corners of the support polygon, counter-clockwise in W [m], shape (k,
-            2) with k at most ``LARGEST_SUPPORT``.
+            2) with k at most ``MAX_CORNERS``.
         omega: Natural frequency of the pendulum that defines the DCM [1/s].
         com_reference: Reference of the center of mass, horizontal in W [m], shape (2,).
         dcm_reference: Reference of the DCM in W [m], shape (2,).
@@ -79,59 +80,35 @@ class Plan(Frozen):
             TypeError: If another field is of the wrong type; it names the field.
             ValueError: If a field does not hold points, or ``omega`` is not positive.
         """
-        _take_array(self, "support", (-1, 2))
-        if self.support is not None and len(self.support) > LARGEST_SUPPORT:
-            raise ValueError(
-                f"support must have at most {LARGEST_SUPPORT} corners, has "
-                f"{len(self.support)}"
-            )
+        _take_points(self, "support", (-1, 2))
+        if self.support is not None and len(self.support) > MAX_CORNERS:
+            raise ValueError(f"support must have at most {MAX_CORNERS} corners")
         for name in ("com", "dcm", "cop"):
-            _take_array(self, f"{name}_reference", (2,))
+            _take_points(self, f"{name}_reference", (2,))
         if self.omega is not None and not (as_float(self.omega) or 0.0) > 0.0:
-            raise ValueError(
-                f"omega must be a positive number or None, is {shown(self.omega)}"
-            )
-        _take_tuple(self, "footsteps", Footstep)
+            raise ValueError(f"omega must be above 0 or None, is {shown(self.omega)}")
+        _check_all(self.footsteps, "footsteps", Footstep)
+        object.__setattr__(self, "footsteps", tuple(self.footsteps))
 
 
-def _take_tuple(values: object, name: str, kind: type) -> None:
-    """Makes a tuple of a field; TypeError unless it has values of one type alone."""
+def _take_points(values: object, name: str, shape: tuple[int, ...]) -> None:
+    """Makes a read-only array of a field, unless it is None."""
     given = getattr(values, name)
+    if given is not None:
+        object.__setattr__(values, name, points(given, name, shape))
+
+
+def _check_all(given: object, name: str, kind: type) -> None:
+    """Raises TypeError unless a field has values of one type alone."""
     # By their types at once: a status has up to 200 events in every tick.
-    sound = isinstance(given, (tuple, list)) and all(
-        issubclass(found, kind) for found in set(map(type, given))
-    )
-    if not sound:
-        raise TypeError(
-            f"{name} must be a tuple of {kind.__name__} values, is {shown(given)}"
-        )
-    if type(given) is not tuple:
-        object.__setattr__(values, name, tuple(given))
-
-
-def _take_array(
-    values: object, name: str, shape: tuple[int, ...], *, optional: bool = True
-) -> None:
-    """Makes a read-only array of a field unless it is None; -1 is for any length."""
-    given = getattr(values, name)
-    if given is None and optional:
-        return
-    try:
-        array = np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        array = np.array(np.nan)
-    if (
-        array.ndim != len(shape)
-        or array.shape[1:] != shape[1:]
-        or (shape[0] not in (-1, len(array)))
+    if not isinstance(given, tuple | list) or any(
+        not issubclass(found, kind) for found in set(map(type, given))
     ):
-        wanted = str(shape).replace("-1", "k")
-        raise ValueError(f"{name} must have shape {wanted}, is {shown(given)}")
-    object.__setattr__(values, name, read_only(array))
+        raise TypeError(f"{name} must be {kind.__name__} values, is {shown(given)}")
 
 
 KEPT_EVENTS = 200
-"""Number of events in a status, beside those of the last ``recent.READ_WITHIN``
+"""Number of events in a status, beside those of the last ``event.READ_WITHIN``
 seconds; as many as displays show."""
 
 
@@ -153,7 +130,7 @@ class ControllerStatus(Frozen):
         feedback: Feedback of the active behavior: a message such as
             ``AtlasBehaviorWalkFeedback``, or any frozen value; None without one.
         events: The latest events. Older events are dropped; those of the last
-            ``recent.READ_WITHIN`` seconds must be there.
+            ``event.READ_WITHIN`` seconds must be there.
         event_count: Number of events since the diagram was built, including dropped
             ones. It may restart at a reset, with only new events in ``events``, and
             decreases nowhere else.
@@ -193,41 +170,32 @@ def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
         ValueError: If it names a behavior that is not registered, or does not count all
             events.
     """
-    if not isinstance(value, ControllerStatus):
-        raise TypeError(
-            "the controller's port 'controller_status' must hold a ControllerStatus, "
-            f"holds {shown(value)}"
-        )
+    status = _instance(value, ControllerStatus, "the port 'controller_status'")
     for name, kind in _KINDS.items():
-        given = getattr(value, name)
-        if not isinstance(given, kind):
-            raise TypeError(f"{name} must be {kind.__name__}, is {shown(given)}")
-    for name in ("error_code", "event_count", "unsolved"):
-        if not is_whole(getattr(value, name)):
-            raise TypeError(
-                f"{name} must be a whole number, is {shown(getattr(value, name))}"
-            )
-    if value.solved is not None and not isinstance(value.solved, (bool, np.bool_)):
-        raise TypeError(f"solved must be True, False or None, is {shown(value.solved)}")
-    _take_tuple(value, "events", Event)
-    if value.event_count < len(value.events):
+        _instance(getattr(status, name), kind, name)
+    _check_all(status.events, "events", Event)
+    if status.event_count < len(status.events):
         raise ValueError(
-            f"event_count must count all events, is {value.event_count} with "
-            f"{len(value.events)} of them"
+            f"event_count must count all events, is {status.event_count} with "
+            f"{len(status.events)} of them"
         )
-    for behavior in (value.current_behavior, value.desired_behavior):
+    for behavior in (status.current_behavior, status.desired_behavior):
         if behavior not in catalog:
             raise ValueError(
                 f"the controller's status names {behavior} ({int(behavior)}), which is "
                 "not registered: give its entry to behaviors="
             )
-    return value
+    return status
 
 
-_KINDS = {
+_KINDS: dict[str, Any] = {
     "current_behavior": Behavior,
     "desired_behavior": Behavior,
+    "error_code": Integral,
     "behavior_feedback": AtlasBehaviorFeedback,
+    "event_count": Integral,
+    "solved": bool | np.bool_ | None,
+    "unsolved": Integral,
     "why_unsolved": str,
     "plan": Plan,
 }
@@ -240,9 +208,11 @@ def check_paths(value: object) -> PlannedPaths:
     Raises:
         TypeError: If it does not hold ``PlannedPaths``.
     """
-    if not isinstance(value, PlannedPaths):
-        raise TypeError(
-            "the controller's port 'planned_paths' must hold PlannedPaths, holds "
-            f"{shown(value)}"
-        )
+    return _instance(value, PlannedPaths, "the port 'planned_paths'")
+
+
+def _instance(value: Any, kind: Any, name: str) -> Any:
+    if not isinstance(value, kind):
+        wanted = getattr(kind, "__name__", kind)
+        raise TypeError(f"{name} must be {wanted}, is {shown(value)}")
     return value

@@ -20,8 +20,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError, described
 from atlas_drake.frozen import Frozen, read_only
-from atlas_drake.messages.atlas_command import AtlasCommand
-from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.atlas_command import AtlasCommand, AtlasSimInterfaceCommand
 from atlas_drake.messages.base import same
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.joint_command import JOINT_FIELDS
@@ -87,11 +86,6 @@ class Refusal(Frozen):
             self.field, self.value, self.problem, self.error_code
         )
 
-    @property
-    def text(self) -> str:
-        """Text for the user."""
-        return f"refused: {self.error}"
-
 
 def accept(
     message: Command,
@@ -133,11 +127,7 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def _copy_params(message: AtlasSimInterfaceCommand) -> None:
-    """Replace the parameters of a user's own behavior by a copy, arrays read-only.
-
-    Raises:
-        InvalidMessageError: If they cannot be copied, or do not equal their copy.
-    """
+    """Replace the parameters of a user's own behavior by a copy, arrays read-only."""
     try:
         copied = read_only(copy.deepcopy(message.params))
         is_sound = same(copied, message.params)
@@ -150,24 +140,16 @@ def _copy_params(message: AtlasSimInterfaceCommand) -> None:
 
 
 def _joints(message: Command, robot: Robot) -> dict[str, np.ndarray]:
-    """Return the joint arrays that a message has, within the robot's bounds.
-
-    Raises:
-        InvalidMessageError: If one has another length, or the bounds of the integral
-            term cross.
-    """
+    """Return the joint arrays that a message has, within the robot's bounds."""
     joints = {}
-    for name in _arrays(type(message)):  # type: ignore[arg-type]
-        values = getattr(message, name)
-        if len(values) not in (0, robot.num_joints):
-            raise InvalidMessageError(
-                name,
-                values,
-                f"must have {robot.num_joints} elements, one per joint, or none, has "
-                f"{len(values)}",
-            )
-        if values:
-            joints[name] = np.array(values, dtype=float)
+    for item in fields(message):
+        values = getattr(message, item.name)
+        if item.name not in JOINT_FIELDS or not values:
+            continue
+        if len(values) != robot.num_joints:
+            problem = f"must have {robot.num_joints} elements or none, has"
+            raise InvalidMessageError(item.name, values, f"{problem} {len(values)}")
+        joints[item.name] = np.array(values, dtype=float)
     if "i_effort_min" in joints and "i_effort_max" in joints:
         check_order(joints["i_effort_min"], joints["i_effort_max"], robot)
     if "kp_velocity" in joints:
@@ -175,11 +157,6 @@ def _joints(message: Command, robot: Robot) -> dict[str, np.ndarray]:
             joints["kp_velocity"], robot.kp_velocity_limit
         )
     return read_only(joints)
-
-
-@functools.cache
-def _arrays(kind: Any) -> tuple[str, ...]:
-    return tuple(item.name for item in fields(kind) if item.name in JOINT_FIELDS)
 
 
 def check_order(

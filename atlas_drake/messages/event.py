@@ -1,6 +1,6 @@
-"""Events of a run, with time, kind, text and data.
+"""Events of a run, with time, kind, text and data, and bounded lists of the latest.
 
-Controllers put them into their status; logs, summaries and listeners read them.
+Controllers put events into their status; logs, summaries and listeners read them.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from atlas_drake.config import as_float
 from atlas_drake.errors import shown
@@ -38,6 +38,9 @@ That is 0 or 1 for the left or right foot; x, y [m] and yaw [rad] of the sole as
 commanded, as saturated and as landed; the landed height [m]; the landing error in
 position [m] and in heading [rad].
 """
+READ_WITHIN = 0.1
+"""Longest time between two reads of any reader of recent items [s]: several times the
+longest control period, and several chunks of a simulation."""
 
 
 @dataclass(frozen=True)
@@ -62,25 +65,20 @@ class Event:
 
         Raises:
             TypeError: If a field is of the wrong type; it names the field.
-            ValueError: If the time is not finite, or the data of a footstep lacks some.
+            ValueError: If the data of a footstep lacks some.
         """
         time = as_float(self.time)
-        if time is None:
-            raise TypeError(f"time of an Event must be a number, is {shown(self.time)}")
-        if not math.isfinite(time):
-            raise ValueError(f"time of an Event must be finite, is {shown(self.time)}")
-        for name in ("kind", "text"):
-            value = getattr(self, name)
-            if not isinstance(value, str):
-                raise TypeError(f"{name} of an Event must be text, is {shown(value)}")
-        if not isinstance(self.data, Mapping):
-            raise TypeError(f"data of an Event must be a dict, is {shown(self.data)}")
-        lacking = [name for name in FOOTSTEP_DATA if name not in self.data]
-        if self.kind == FOOTSTEP and lacking:
-            raise ValueError(
-                f"data of an Event {FOOTSTEP!r} must have "
-                f"{', '.join(FOOTSTEP_DATA)}; it lacks {', '.join(lacking)}"
-            )
+        for name, is_sound, requirement in (
+            ("time", time is not None and math.isfinite(time), "a finite number"),
+            ("kind", isinstance(self.kind, str), "text"),
+            ("text", isinstance(self.text, str), "text"),
+            ("data", isinstance(self.data, Mapping), "a dict"),
+        ):
+            if not is_sound:
+                given = shown(getattr(self, name))
+                raise TypeError(f"{name} of an Event must be {requirement}, is {given}")
+        if self.kind == FOOTSTEP and (lacking := {*FOOTSTEP_DATA} - self.data.keys()):
+            raise ValueError(f"data of an Event {FOOTSTEP!r} lacks {sorted(lacking)}")
 
     def __str__(self) -> str:
         """Return time and text."""
@@ -104,11 +102,8 @@ def fell_last(events: Iterable[Event]) -> bool:
 def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:
     """Return the events with the first one of each fall only.
 
-    Both the controller and the fall monitor report a fall.
-
-    Args:
-        events: Events in order.
-        fallen: True if the robot has fallen already.
+    Both the controller and the fall monitor report a fall; ``fallen`` is True if the
+    robot has fallen already.
     """
     kept = []
     for event in events:
@@ -118,3 +113,20 @@ def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:
             fallen = event.kind == "fall"
         kept.append(event)
     return kept
+
+
+_T = TypeVar("_T")
+
+
+def append_recent(items: tuple[Any, ...], item: Any, kept: int) -> tuple[Any, ...]:
+    """Append an item with a time; drop the oldest beyond ``kept``, not READ_WITHIN."""
+    drop = 0
+    while len(items) - drop >= kept and items[drop].time < item.time - READ_WITHIN:
+        drop += 1
+    return (*items[drop:], item)
+
+
+def items_since(items: tuple[_T, ...], total: int, seen: int) -> tuple[_T, ...]:
+    """Return those of the latest items that came after the first ``seen`` of all."""
+    count = total - seen
+    return items[-count:] if count > 0 else ()

@@ -17,21 +17,16 @@ from atlas_drake.config import plain_number
 LARGEST = 1e12
 """Greatest magnitude of a number in a message, in any unit: products of larger numbers
 could leave the range of floating point."""
-
 MAX_INDEX = 2**31 - 1
 """Greatest number of a step or a behavior: the original has 32 bits for them."""
-
 K_EFFORT_MAX = 255
 """``k_effort`` of a joint that the user controls alone."""
-
 MIN_NORM = 1e-6
 """Below this norm the direction of a quaternion or ground normal is rounding noise."""
 
 
 def _number(value: Any) -> Any:
     """Converts a number of any type to Python's own."""
-    if type(value) is float:
-        return value
     value = plain_number(value)
     if isinstance(value, bool) or not isinstance(value, float | int):
         raise ValueError("must be a number")
@@ -83,10 +78,11 @@ class Several:
 def _as_tuple(value: Any) -> tuple[Any, ...]:
     if isinstance(value, list | tuple):
         return tuple(value)
-    if not isinstance(value, np.ndarray) or isinstance(value, np.ma.MaskedArray):
+    if not isinstance(value, np.ndarray):
         raise ValueError("must be a list, tuple or array")
     if value.ndim != 1:
         raise ValueError(f"must have one dimension, has shape {value.shape}")
+    # Elements of another type than a number keep it, to be refused one by one.
     return tuple(value.tolist() if value.dtype.kind in "iuf" else value)
 
 
@@ -98,17 +94,12 @@ Shares = Annotated[list[int] | NDArray[Any], Several(Byte)]
 """The user's share for each joint, 0 for the behavior alone to 255, or none."""
 
 
-def not_zero(axes: str, example: str) -> AfterValidator:
-    """Returns the annotation of a vector or quaternion that has a direction.
-
-    Args:
-        axes: Names of its components.
-        example: A valid value, for the error.
-    """
+def not_zero(axes: str) -> AfterValidator:
+    """Returns the annotation of a vector or quaternion with these axes."""
 
     def check(vector: Any) -> Any:
         if math.hypot(*(getattr(vector, axis) for axis in axes)) < MIN_NORM:
-            raise ValueError(f"must not be zero; {example}")
+            raise ValueError("must not be zero")
         return vector
 
     return AfterValidator(check)

@@ -8,14 +8,13 @@ its bottom plane, x to the toes, z along the sole's normal. The limits of a step
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NoReturn
 
 import numpy as np
 
 from atlas_drake.config import as_float
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen, read_only
-from atlas_drake.messages.behavior_params import ToeOff
+from atlas_drake.messages.behavior import ToeOff
 from atlas_drake.rotations import rotation_with_normal, yaw_of
 
 LEFT, RIGHT = 0, 1
@@ -106,19 +105,14 @@ class Footstep(Frozen):
         """Take the point as a read-only array.
 
         Raises:
-            ValueError: If a field is none of these; it names the field.
+            ValueError: If foot, point or yaw cannot be used; it names the field.
         """
         if self.foot not in (LEFT, RIGHT):
-            _refuse("foot", "0 or 1", self.foot)
+            raise ValueError(f"foot must be 0 or 1, is {shown(self.foot)}")
         if as_float(self.yaw) is None:
-            _refuse("yaw", "a number", self.yaw)
-        try:
-            p_WF = np.array(self.p_WF, dtype=float)
-        except (TypeError, ValueError):
-            p_WF = np.empty(0)
-        if p_WF.shape != (3,):
-            _refuse("p_WF", "of shape (3,)", self.p_WF)
-        object.__setattr__(self, "p_WF", read_only(p_WF))
+            raise ValueError(f"yaw must be a number, is {shown(self.yaw)}")
+        p_WF = points(self.p_WF, "p_WF", (3,))
+        object.__setattr__(self, "p_WF", p_WF)
 
     @property
     def pose(self) -> FootPose:
@@ -126,5 +120,18 @@ class Footstep(Frozen):
         return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
-def _refuse(name: str, required: str, value: object) -> NoReturn:
-    raise ValueError(f"{name} of a Footstep must be {required}, is {shown(value)}")
+def points(given: object, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Returns a read-only array of a shape, in which -1 stands for any length.
+
+    Raises:
+        ValueError: If the field ``name`` is given anything else.
+    """
+    try:
+        array = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
+    if array.ndim != len(shape) or any(
+        size not in (-1, found) for size, found in zip(shape, array.shape, strict=True)
+    ):
+        raise ValueError(f"{name} must have shape {shape}, is {shown(given)}")
+    return read_only(array)

@@ -77,9 +77,7 @@ class Quaternion(Message):
         return np.array([self.w, self.x, self.y, self.z], dtype=float)
 
 
-Rotation = Annotated[
-    Quaternion, not_zero("xyzw", "x = y = z = 0, w = 1 is no rotation")
-]
+Rotation = Annotated[Quaternion, not_zero("xyzw")]
 """A quaternion that can be normalised."""
 
 

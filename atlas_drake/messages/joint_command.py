@@ -14,22 +14,7 @@ from atlas_drake.messages.fields import K_EFFORT_MAX
 
 @dataclass(frozen=True)
 class JointCommand(Frozen):
-    """Set-points, gains and shares of the joint PIDs; arrays (n,) in message order.
-
-    All are read-only.
-
-    Attributes:
-        position: Desired positions [rad].
-        velocity: Desired velocities [rad/s].
-        effort: Feed-forward effort [N·m].
-        kp_position: Proportional gains [N·m/rad].
-        ki_position: Integral gains [N·m/(rad·s)].
-        kd_position: Damping of the joints [N·m·s/rad].
-        kp_velocity: Gains on the velocity error [N·m·s/rad].
-        i_effort_min: Least effort of the integral term [N·m].
-        i_effort_max: Greatest effort of the integral term [N·m].
-        k_effort: Shares of user control, 0 to 255.
-    """
+    """The values of ``AtlasCommand`` in force, as read-only arrays of shape (n,)."""
 
     position: np.ndarray
     velocity: np.ndarray

@@ -11,47 +11,32 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from atlas_drake.frozen import Frozen
-from atlas_drake.messages.base import compared, same
+from atlas_drake.messages.base import same_fields
 
 XY, XYZ = ("x", "y"), ("x", "y", "z")
 WXYZ = ("w", "x", "y", "z")
 
 
 class Names(Enum):
-    """Labels that depend on the robot and its world."""
+    """Labels that depend on the robot and its world, in message or plant order."""
 
     JOINTS = "joints"
-    """The joints in message order."""
     POSITIONS = "positions"
-    """The robot's positions in plant order."""
     VELOCITIES = "velocities"
-    """The robot's velocities in plant order."""
     WORLD_POSITIONS = "world positions"
-    """Positions of the models beside the robot."""
     WORLD_VELOCITIES = "world velocities"
-    """Velocities of the models beside the robot."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """Annotation of a field that holds a number, or an array of numbers.
-
-    Attributes:
-        about: Description of the quantity.
-        unit: Unit of all elements; empty for counts, flags and ratios.
-        labels: Labels of the elements; none for a single number.
-        kind: Numpy's name of the data type in a log.
-        optional: True if the field may be None; a log then has NaN.
-        width: Numbers per row of an array with any number of rows up to the labels';
-            0 for an array with one number per label.
-    """
+    """Annotation of a field that holds a number, or an array of numbers."""
 
     about: str = ""
-    unit: str = ""
-    labels: tuple[str, ...] | Names = ()
-    kind: str = "f8"
-    optional: bool = False
-    width: int = 0
+    unit: str = ""  # Empty for counts, flags and ratios.
+    labels: tuple[str, ...] | Names = ()  # None for a single number.
+    kind: str = "f8"  # Numpy's name of the data type in a log.
+    optional: bool = False  # True if the field may be None; a log then has NaN.
+    width: int = 0  # Numbers per row, of up to as many rows as the labels have.
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -98,8 +83,7 @@ class Group(Frozen):
         """Compares all fields that take part in comparisons."""
         if type(other) is not type(self):
             return NotImplemented
-        get = compared(type(self))  # type: ignore[arg-type]
-        return all(map(same, get(self), get(other)))
+        return same_fields(self, other)
 
     __hash__ = None  # type: ignore[assignment]
 

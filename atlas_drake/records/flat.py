@@ -14,12 +14,7 @@ PARTS = ("stand", "walk", "step", "manipulate", "feedback", "plan", "footsteps")
 
 
 def flat_units(schema: Schema, record: TickRecord) -> dict[str, str]:
-    """Returns the unit of each number by name; empty where none is declared.
-
-    Args:
-        schema: Schema of the record.
-        record: Has the structured parts whose numbers are named.
-    """
+    """Returns the unit of each number of a record by name; empty for parts."""
     units = {}
     for name, column in schema.columns.items():
         if name != TIME:

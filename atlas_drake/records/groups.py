@@ -10,12 +10,12 @@ from typing import Annotated
 
 import numpy as np
 
-from atlas_drake.messages.controller_status import LARGEST_SUPPORT
+from atlas_drake.messages.controller_status import MAX_CORNERS
 from atlas_drake.records.column import WXYZ, XY, XYZ, Column, Group, Names
 
 Array = np.ndarray
 _JOINTS = Names.JOINTS
-_CORNERS = tuple(f"{axis}{i}" for i in range(LARGEST_SUPPORT) for axis in XY)
+_CORNERS = tuple(f"{axis}{i}" for i in range(MAX_CORNERS) for axis in XY)
 _Torque = Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
 _Force = Annotated[Array, Column("contact force in W", "N", XYZ)]
 

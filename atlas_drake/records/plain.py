@@ -1,4 +1,4 @@
-"""Converts values of a run to plain data, as JSON has it."""
+"""Converts values of a run to plain data, as JSON has it, and messages back."""
 
 from __future__ import annotations
 
@@ -9,46 +9,89 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.config import is_whole
-from atlas_drake.errors import shown
-
-DEEPEST = 16
-"""Greatest nesting depth that is kept; no valid message is nested deeper."""
+from atlas_drake.config import is_number, is_whole
+from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
+from atlas_drake.messages import Message
 
 
-def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
+def to_plain(value: Any) -> Any:
     """Converts messages, arrays and numbers to JSON types; NaN and infinities to None.
 
-    Accepts any content of a refused message: unknown types become text. ``path`` holds
-    the identities of the containers around ``value``, to detect a loop.
+    Values of unknown types become text.
     """
     if value is None:
         return value
     if isinstance(value, str):
         # A half of a character is no text for other programs.
         return value if value.isascii() else value.encode(errors="replace").decode()
-    if isinstance(value, (bool, np.bool_)):
+    if isinstance(value, bool | np.bool_):
         return bool(value)
     if is_whole(value):
-        return int(value) if abs(value) <= LARGEST_INTEGER else shown(value)
-    if isinstance(value, (float, np.floating)):
+        return int(value)
+    if isinstance(value, float | np.floating):
         return float(value) if math.isfinite(value) else None
-    if id(value) in path or len(path) == DEEPEST:
-        return "..."
-    within = (*path, id(value))
     if is_dataclass(value) and not isinstance(value, type):
         return {
-            field.name: to_plain(getattr(value, field.name), within)
-            for field in fields(value)
+            field.name: to_plain(getattr(value, field.name)) for field in fields(value)
         }
     if isinstance(value, Mapping):
-        return {str(key): to_plain(item, within) for key, item in value.items()}
+        return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return to_plain(value.tolist(), within)
-    if isinstance(value, (list, tuple)):
-        return [to_plain(item, within) for item in value]
+        return to_plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [to_plain(item) for item in value]
     return shown(value)
 
 
-LARGEST_INTEGER = 2**63 - 1
-"""Largest integer that every reader of a log can represent."""
+def message_from(
+    kind: type[Message],
+    plain: Mapping[str, Any],
+    *,
+    num_joints: int | None = None,
+    path: str = "",
+) -> Message:
+    """Make a message from its fields; omitted fields stay as in an empty message.
+
+    Args:
+        kind: Class of the message.
+        plain: Values by field; a message in a field is a mapping, too. A list of
+            messages may be shorter than in an empty message, such as a step queue.
+        num_joints: Length of the list that replaces a single number in a joint array;
+            None keeps the number.
+        path: Path of the message in the message around it, for errors.
+
+    Raises:
+        InvalidMessageError: If there is no such field, or the value of a message's
+            field is not a mapping. ``door`` checks the other values.
+    """
+    message = kind()
+    known = [field.name for field in fields(message)]  # type: ignore[arg-type]
+    for name, value in plain.items():
+        place = f"{path}.{name}".lstrip(".")
+        if name not in known:
+            hint = did_you_mean(str(name), known) or f" There are {', '.join(known)}."
+            problem = f"{kind.__name__} has no such field.{hint}"
+            raise InvalidMessageError(place, value, problem)
+        default = getattr(message, name)
+        setattr(message, name, _like(default, value, num_joints, place))
+    return message
+
+
+def _like(default: Any, plain: Any, num_joints: int | None, path: str) -> Any:
+    """Converts the plain value of a field to the type of its default."""
+    if isinstance(default, Message):
+        if not isinstance(plain, Mapping):
+            wanted = f"must be fields of {type(default).__name__}"
+            raise InvalidMessageError(path, plain, f"is {shown(plain)}; {wanted}")
+        return message_from(type(default), plain, num_joints=num_joints, path=path)
+    if not isinstance(default, list):
+        return plain
+    if default and isinstance(default[0], Message) and isinstance(plain, list | tuple):
+        given = [
+            _like(default[0], item, num_joints, f"{path}[{index}]")
+            for index, item in enumerate(plain)
+        ]
+        return given + default[len(given) :]
+    if not default and num_joints is not None and is_number(plain):
+        return [plain] * num_joints
+    return plain

@@ -43,12 +43,7 @@ OPTIONAL = frozenset(
 
 @dataclass(frozen=True)
 class Schema(Frozen):
-    """Columns of the records of a run.
-
-    Attributes:
-        names: Labels that depend on the robot and its world.
-        groups: Names of the groups that the records have.
-    """
+    """Columns of the records of a run: labels of its robot, and groups by name."""
 
     names: Mapping[Names, tuple[str, ...]]
     groups: tuple[str, ...]

@@ -37,15 +37,10 @@ from atlas_drake.records.groups import (
 
 @dataclass(frozen=True, eq=False)
 class ContactForce(Group):
-    """The force of one contact on the robot, in W.
+    """The force of one contact on the robot, in W."""
 
-    Attributes:
-        p_WC: Point of the contact [m], shape (3,).
-        force_W: Force on the robot [N], shape (3,).
-    """
-
-    p_WC: np.ndarray
-    force_W: np.ndarray
+    p_WC: np.ndarray  # Point of the contact [m], shape (3,).
+    force_W: np.ndarray  # Force on the robot [N], shape (3,).
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,25 +50,16 @@ class TickRecord(Group):
     Wall time of the tick takes no part in comparisons. What a custom controller does
     not know is absent: None, empty, or blank feedback.
 
+    ``records.groups`` describes the groups of numbers, from ``behavior`` to
+    ``estimator``, column by column.
+
     Attributes:
         time: Time of the tick [s].
-        behavior: The behavior, and the answer to the last command.
         request: The behavior command in force; None before the first one.
-        joints: The joints: measured, commanded, and their efforts.
-        gains: The user's gains in force.
-        pelvis: The pelvis, as the behaviors read it.
-        imu: The measurement of the IMU.
-        feet: The soles, and their contact wrenches of the tick before.
-        hands: Contact wrenches of the tick before on the hands.
-        balance: CoM, DCM and CoP, and their plan.
-        controller: Infeasible ticks, and the wall time of the tick.
-        state: The true state of the robot.
-        world: The state of the models beside it; None if none moves.
-        estimator: The error of the state estimator; None without one.
-        stand: Feedback of STAND.
-        walk: Feedback of WALK; blank while another behavior is active, as the others.
-        step: Feedback of STEP.
-        manipulate: Feedback of MANIPULATE.
+        world: None if no model beside the robot moves.
+        estimator: None without a state estimator.
+        stand, walk, step, manipulate: Feedback of these behaviors; blank while another
+            behavior is active.
         feedback: Feedback of a user's own behavior as plain data; None without one.
         plan: What a user's own plan adds to ``Plan``, as plain data by field.
         footsteps: Footsteps to come, the next one first.

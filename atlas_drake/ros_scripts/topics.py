@@ -3,7 +3,7 @@
 Commands go through ``AtlasSimulation.publish`` like those of any other commander; the
 topics that are read are outputs of the station. ``control_mode`` requests a behavior
 with all joints, or gives all joints to the user; ``mode`` puts the robot into the
-harness and releases it. ``JointCommands`` is older than ``AtlasCommand``: it names the
+gantry and releases it. ``JointCommands`` is older than ``AtlasCommand``: it names the
 joints, in the v1 or the v3 names, with or without the prefix ``atlas::``, and has no
 ``k_effort``, because its sender controls the named joints.
 """
@@ -137,7 +137,7 @@ def change_control_mode(sim: AtlasSimulation, message: RosMessage) -> None:
 
 
 def change_mode(sim: AtlasSimulation, message: RosMessage) -> str | None:
-    """Put the robot into the harness, or release it.
+    """Put the robot onto the gantry, or release it.
 
     Returns:
         A note to print, if the robot stays as it is.
@@ -148,18 +148,18 @@ def change_mode(sim: AtlasSimulation, message: RosMessage) -> str | None:
     word = _word(message)
     if _plain(word) not in (HARNESSED, NOMINAL):
         raise unknown(f"mode {word!r}", word, (HARNESSED, NOMINAL))
-    harness = sim.scenario.start.harnessed
+    has_gantry = sim.scenario.start.on_gantry
     if _plain(word) == NOMINAL:
-        if harness:
+        if has_gantry:
             sim.release()
         return None
-    if not harness:
+    if not has_gantry:
         return (
-            f"mode {HARNESSED!r}: there is no harness, and Atlas stays on its feet; "
-            "--set start.harnessed=true --set initial_behavior=FREEZE gives it one"
+            f"mode {HARNESSED!r}: there is no gantry, and Atlas stays on its feet; "
+            "--set start.on_gantry=true --set initial_behavior=FREEZE gives it one"
         )
     start = sim.scenario.start
-    pose = Start(position=start.position, yaw=start.yaw, harnessed=True)
+    pose = Start(position=start.position, yaw=start.yaw, on_gantry=True)
     sim.reset(behavior=Behavior.FREEZE, pose=pose)
     return None
 

@@ -59,7 +59,7 @@ Seed = Annotated[int, Strict(), Interval(ge=0, le=LARGEST_SEED)]
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
-"""Behaviors in which a robot can start in the harness."""
+"""Behaviors in which a robot can start on the gantry."""
 
 
 @dataclass(frozen=True)
@@ -87,17 +87,17 @@ class Start(Configuration):
     """Position of the pelvis along x and y in W [m]; null for the world's start."""
     yaw: float | None = None
     """Heading of the pelvis in W [rad]; null for the world's start."""
-    harnessed: bool = False
-    """True to start in a harness that holds the pelvis, with the feet in the air."""
+    on_gantry: bool = False
+    """True to start on a gantry that holds the pelvis, with the feet in the air."""
     release_time: NotNegative | None = None
-    """Time after the start, or the reset, at which the harness lowers and releases the
+    """Time after the start, or the reset, at which the gantry lowers and releases the
     robot [s]; null for no automatic release."""
 
     def check(self) -> None:
-        """Checks that there is a harness to be released from."""
-        if self.release_time is not None and not self.harnessed:
+        """Checks that there is a gantry to be released from."""
+        if self.release_time is not None and not self.on_gantry:
             raise ScenarioError(
-                "release_time", self.release_time, "needs start.harnessed: true"
+                "release_time", self.release_time, "needs start.on_gantry: true"
             )
 
     def check_behavior(self, behavior: Behavior) -> None:
@@ -109,22 +109,22 @@ class Start(Configuration):
         Raises:
             ScenarioError: If it cannot.
         """
-        if self.harnessed and behavior not in IN_THE_AIR:
+        if self.on_gantry and behavior not in IN_THE_AIR:
             raise ScenarioError(
                 "initial_behavior",
                 behavior.name,
-                "must be USER or FREEZE in a harness: other behaviors need the ground",
+                "must be USER or FREEZE on a gantry: other behaviors need the ground",
             )
 
 
 @dataclass(frozen=True)
-class HarnessGains(Configuration):
+class GantryGains(Configuration):
     """Gains that hold the robot; the defaults are stable at every physics step."""
 
     natural_frequency: Positive = 12.0
-    """Natural frequency of the robot's mass on the harness [rad/s]."""
+    """Natural frequency of the robot's mass on the gantry [rad/s]."""
     damping_ratio: NotNegative = 1.0
-    """Damping ratio of the robot's mass on the harness [-]."""
+    """Damping ratio of the robot's mass on the gantry [-]."""
     rotational_stiffness: NotNegative = 4000.0
     """Rotational stiffness at the pelvis [N·m/rad]."""
     rotational_damping: NotNegative = 300.0
@@ -132,7 +132,7 @@ class HarnessGains(Configuration):
     lowering_speed: Positive = 0.10
     """Speed at which a released robot is lowered [m/s]."""
     fading_time: Positive = 1.0
-    """Time in which the harness transfers its load to the legs after lowering [s]."""
+    """Time in which the gantry transfers its load to the legs after lowering [s]."""
 
 
 @dataclass(frozen=True)
@@ -204,8 +204,8 @@ class Scenario(CheckedOnce):
     """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
     """Start of the robot."""
-    harness: HarnessGains = field(default_factory=HarnessGains)
-    """Gains of the harness, for a robot that starts in it."""
+    gantry: GantryGains = field(default_factory=GantryGains)
+    """Gains of the gantry, for a robot that starts on it."""
     pushes: list[PlannedPush] = field(default_factory=list)
     """Pushes on the robot, each at a time or at a phase of its gait."""
     noise: Annotated[

@@ -21,7 +21,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.messages.plain import message_from
+from atlas_drake.records.plain import message_from
 from atlas_drake.robot import Robot
 
 _KINDS: dict[str, type[Message]] = {

@@ -370,8 +370,8 @@ class AtlasSimulation:
 
         Args:
             behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
-            pose: Where to; None is where the run began. A harness holds the robot if
-                the scenario has one and ``pose.harnessed`` says so.
+            pose: Where to; None is where the run began. A gantry holds the robot if
+                the scenario has one and ``pose.on_gantry`` says so.
             seed: Seed of the new run; None continues the present run.
 
         Raises:
@@ -475,10 +475,10 @@ class AtlasSimulation:
                 self.diagram.ForcedPublish(self.context)
 
     def release(self) -> None:
-        """Lets a harnessed robot down to the ground, and then go.
+        """Lets a robot on the gantry down to the ground, and then go.
 
         Raises:
-            ScenarioError: If the scenario has no harness.
+            ScenarioError: If the scenario has no gantry.
         """
         with self._lock:
             self._run.release()

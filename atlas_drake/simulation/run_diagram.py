@@ -32,7 +32,7 @@ from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 
 CLEARANCE = 0.10
-"""Height of a harnessed robot's feet above the ground [m]."""
+"""Height of the feet above the ground on the gantry [m]."""
 Pose: TypeAlias = tuple[Sequence[float], float]
 """Position of the pelvis, horizontal in W [m], and its yaw [rad]."""
 
@@ -71,9 +71,9 @@ class RunDiagram:
         self._recorder: Any = self.station.GetSubsystemByName("tick_recorder")
         self._recorder.tick_seconds = tick_seconds
         self._pushes = self.station.GetSubsystemByName("push_source")
-        self._harness: Any = None
-        if scenario.start.harnessed:
-            self._harness = self.station.GetSubsystemByName("harness")
+        self._gantry: Any = None
+        if scenario.start.on_gantry:
+            self._gantry = self.station.GetSubsystemByName("gantry")
         self.simulator = Simulator(diagram)
         ApplySimulatorConfig(scenario.simulator, self.simulator)
         self.pace = Pace(self.simulator)
@@ -174,12 +174,12 @@ class RunDiagram:
         self._pushes.push(self._pushes.GetMyMutableContextFromRoot(self.context), *push)
 
     def release(self) -> None:
-        """Lets a harnessed robot down to the ground, and then go."""
-        if self._harness is None:
+        """Lets a robot on the gantry down to the ground, and then go."""
+        if self._gantry is None:
             raise ScenarioError(
-                "start.harnessed", False, "there is no harness to release"
+                "start.on_gantry", False, "there is no gantry to release"
             )
-        self._harness.release(self._harness.GetMyMutableContextFromRoot(self.context))
+        self._gantry.release(self._gantry.GetMyMutableContextFromRoot(self.context))
 
     def output(self, name: str) -> Any:
         """Returns the present value of an output port of the diagram."""
@@ -235,17 +235,17 @@ class RunDiagram:
             rpy=variation.rpy,
             joints=variation.joints,
             terrain=self._terrain,
-            clearance=CLEARANCE if start.harnessed else 0.0,
+            clearance=CLEARANCE if start.on_gantry else 0.0,
         )
 
     def _begin_at(self, variation: Variation, start: Start) -> None:
-        """Puts the robot where it begins, and into the harness if there is one."""
+        """Puts the robot where it begins, and on the gantry if there is one."""
         self._place(self.context, variation, start)
-        if self._harness is None:
+        if self._gantry is None:
             return
-        context = self._harness.GetMyMutableContextFromRoot(self.context)
-        if not start.harnessed:
-            self._harness.let_go(context)
+        context = self._gantry.GetMyMutableContextFromRoot(self.context)
+        if not start.on_gantry:
+            self._gantry.let_go(context)
             return
         own = self.robot.instance(self.plant)
         pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
@@ -254,7 +254,7 @@ class RunDiagram:
         if start.release_time is not None:
             released = self.context.get_time() + start.release_time
         p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
-        self._harness.hold(context, p_WP, R_WP, CLEARANCE, released)
+        self._gantry.hold(context, p_WP, R_WP, CLEARANCE, released)
 
 
 def _moved(variation: Variation, pose: Pose | None) -> Variation:

@@ -99,9 +99,9 @@ def start_of_reset(
     begin = starting_behavior(asked, "behavior", catalog)
     start: Start = checked(Start, scenario.start if pose is None else pose, "pose")
     start.check_behavior(begin)
-    if start.harnessed and not scenario.start.harnessed:
+    if start.on_gantry and not scenario.start.on_gantry:
         raise ScenarioError(
-            "start.harnessed", True, "needs a scenario that began in a harness"
+            "start.on_gantry", True, "needs a scenario that began on the gantry"
         )
     return begin, start
 

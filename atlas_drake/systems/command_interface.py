@@ -6,7 +6,7 @@ The rules of merging are in ``messages.commands``; this is their system in the d
 from typing import Any
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, State, ValueProducer
+from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Accepted, Behavior, Refusal
@@ -43,8 +43,6 @@ class CommandInterface(CollectableSystem):
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         robot: Robot,
@@ -54,42 +52,30 @@ class CommandInterface(CollectableSystem):
     ):
         """Updates every ``period`` [s]; accepts the behaviors of ``catalog``."""
         super().__init__()
-        self._robot = robot
+        self._robot, self._catalog = robot, catalog
         start = commands_at_start(robot, initial_behavior, catalog)
-        self._catalog = catalog
         self._inputs = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("atlas_command", "atlas_sim_interface_command")
+            self.declare_value_input("atlas_command"),
+            self.declare_value_input("atlas_sim_interface_command"),
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
-        self._commands = self.DeclareCacheEntry(
+        self._commands = self.declare_cached(
             "commands in force",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(start),
-                calc=self.callback(self._calc_commands),
-            ),
+            self._merged,
             {self.all_input_ports_ticket(), self.xa_ticket()},
         )
         sources = {self._commands.ticket()}
-        self.DeclareAbstractOutputPort(
-            "commands",
-            lambda: AbstractValue.Make(start),
-            lambda context, out: out.set_value(self._commands.Eval(context)),
-            prerequisites_of_calc=sources,
-        )
-        self.DeclareAbstractOutputPort(
+        self.declare_value_output("commands", self._commands.Eval, sources)
+        self.declare_value_output(
             "joint_command",
-            lambda: AbstractValue.Make(start.joints),
-            lambda context, out: out.set_value(self._commands.Eval(context).joints),
-            prerequisites_of_calc=sources,
+            lambda context: self._commands.Eval(context).joints,
+            sources,
         )
-        self.DeclareVectorOutputPort(
+        self.declare_vector_output(
             "k_effort",
             robot.num_joints,
-            lambda context, out: out.SetFromVector(
-                self._commands.Eval(context).k_effort
-            ),
-            prerequisites_of_calc=sources,
+            lambda context: self._commands.Eval(context).k_effort,
+            sources,
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
@@ -123,15 +109,13 @@ class CommandInterface(CollectableSystem):
         Returns:
             The refusal of the message; None if it is in force.
         """
-        before: ActiveCommand = self._commands.Eval(context)
-        time = context.get_time()
-        after, refusal = receive(before, outcome, self._robot, time)
+        force = self._commands.Eval(context)
+        after, refusal = receive(force, outcome, self._robot, context.get_time())
         self._log_refusals(context, after)
         context.get_mutable_abstract_state(self._state).set_value(after)
         return refusal
 
     def _log_refusals(self, context: Context, after: ActiveCommand) -> None:
-        """Warns of the refusals in ``after`` that are not in the state yet."""
         log_refusals(context.get_abstract_state(self._state).get_value(), after)
 
     def _messages(self, context: Context) -> list[Any]:
@@ -141,12 +125,11 @@ class CommandInterface(CollectableSystem):
             for port in self._inputs
         ]
 
-    def _calc_commands(self, context: Context, output: AbstractValue) -> None:
+    def _merged(self, context: Context) -> ActiveCommand:
         force = context.get_abstract_state(self._state).get_value()
         atlas_command, sim_command = self._messages(context)
-        output.set_value(
-            latch(force, atlas_command, sim_command, self._robot, context.get_time())
-        )
+        time = context.get_time()
+        return latch(force, atlas_command, sim_command, self._robot, time)
 
     def _update(self, context: Context, state: State) -> None:
         after: ActiveCommand = self._commands.Eval(context)

@@ -59,46 +59,40 @@ class CommandScheduler(CollectableSystem):
         sent: Number of sent entries of the schedule.
     """
 
-    __slots__ = ()
-
     def __init__(self, schedule: Sequence[ScheduledCommand], period: float):
         """Updates every ``period`` [s]."""
         super().__init__()
         self.schedule = tuple(sorted(schedule, key=lambda entry: entry.time))
         self._feedback = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            self.declare_value_input(name)
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
-        self._atlas_command, self._sim_command = (
-            self.DeclareAbstractState(AbstractValue.Make(NOTHING)) for _ in range(2)
-        )
-        self._sent = self.DeclareAbstractState(AbstractValue.Make(0))
-        for name, index in (
-            ("atlas_command", self._atlas_command),
-            ("atlas_sim_interface_command", self._sim_command),
-            ("sent", self._sent),
-        ):
+        self._last = {
+            name: self.DeclareAbstractState(AbstractValue.Make(start))
+            for name, start in (
+                ("atlas_command", NOTHING),
+                ("atlas_sim_interface_command", NOTHING),
+                ("sent", 0),
+            )
+        }
+        for name, index in self._last.items():
             self.DeclareStateOutputPort(name, index)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
-        sent: int = context.get_abstract_state(self._sent).get_value()
+        sent: int = context.get_abstract_state(self._last["sent"]).get_value()
         # A small tolerance: times are sums of rounded periods.
         now = context.get_time() + 1e-9
         if sent == len(self.schedule) or self.schedule[sent].time > now:
             return
-        state.get_mutable_abstract_state(self._sent).set_value(sent + 1)
+        state.get_mutable_abstract_state(self._last["sent"]).set_value(sent + 1)
         command = self.schedule[sent].command
         if callable(command):
-            command = command(
-                Feedback(
-                    context.get_time(),
-                    *(port.Eval(context) for port in self._feedback),
-                )
-            )
+            feedback = (port.Eval(context) for port in self._feedback)
+            command = command(Feedback(context.get_time(), *feedback))
         if command is None:
             return
         is_joint_command = isinstance(command, AtlasCommand)
-        index = self._atlas_command if is_joint_command else self._sim_command
+        port = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
         message = Sent(copy.deepcopy(command), sent + 1)
-        state.get_mutable_abstract_state(index).set_value(message)
+        state.get_mutable_abstract_state(self._last[port]).set_value(message)

@@ -1,16 +1,74 @@
-"""The forces of single contacts on the robot, from the plant's contact results."""
+"""Contact forces from the plant's contact results: sums on bodies, single contacts."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from pydrake.geometry import SceneGraphInspector
-from pydrake.multibody.plant import ContactResults
-from pydrake.multibody.tree import world_index
+from pydrake.multibody.plant import ContactResults, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, world_index
 
 from atlas_drake.records.tick_record import ContactForce
 
 MIN_FORCE = 5.0
-"""Force below which a contact is left out [N]."""
+"""Force below which a single contact is left out [N]."""
+
+
+def shapes_of(plant: MultibodyPlant, bodies: Mapping[int, int]) -> dict[int, int]:
+    """Maps the number of each collision shape of some bodies to what its body maps to.
+
+    A ``GeometryId`` of the plant would keep the plant alive.
+    """
+    return {
+        shape.get_value(): place
+        for body, place in bodies.items()
+        for shape in plant.GetCollisionGeometriesForBody(
+            plant.get_body(BodyIndex(body))
+        )
+    }
+
+
+def contact_wrenches(
+    results: ContactResults, bodies: Mapping[int, int], shapes: Mapping[int, int]
+) -> list[list[float]]:
+    """Sums moment and force on some bodies in W, about W's origin [N·m; N].
+
+    ``bodies`` maps the index of a body in the plant to its index in the result,
+    ``shapes`` each collision shape of these bodies likewise.
+    """
+    totals = [[0.0] * 6 for _ in set(bodies.values())]
+
+    def add(place: int, sign: float, point: Any, force: Any) -> None:
+        x, y, z = point.tolist()
+        fx, fy, fz = (sign * force).tolist()
+        total = totals[place]
+        total[0] += y * fz - z * fy
+        total[1] += z * fx - x * fz
+        total[2] += x * fy - y * fx
+        total[3] += fx
+        total[4] += fy
+        total[5] += fz
+
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        # The force is that on body B.
+        for body, sign in ((info.bodyB_index(), 1.0), (info.bodyA_index(), -1.0)):
+            place = bodies.get(int(body))
+            if place is not None:
+                add(place, sign, info.contact_point(), info.contact_force())
+    for k in range(results.num_hydroelastic_contacts()):
+        info = results.hydroelastic_contact_info(k)
+        surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
+        # The force is that on body A, whose shape is M.
+        for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
+            place = shapes.get(shape.get_value())
+            if place is not None:
+                add(place, sign, surface.centroid(), F_Ac_W.translational())
+                for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):
+                    totals[place][axis] += moment
+    return totals
 
 
 def contact_forces(

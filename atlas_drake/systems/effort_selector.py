@@ -25,8 +25,6 @@ class EffortSelector(CollectableSystem):
         actuation: The same efforts in the order of the plant's actuators.
     """
 
-    __slots__ = ()
-
     def __init__(self, robot: Robot, indices: PlantIndices):
         """Blends for a plant with the given indices."""
         super().__init__()
@@ -37,19 +35,12 @@ class EffortSelector(CollectableSystem):
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
         self._k_effort = self.DeclareVectorInputPort("k_effort", n)
         inputs = {self.all_input_ports_ticket()}
-        self.DeclareVectorOutputPort(
-            "effort",
-            n,
-            lambda context, output: output.SetFromVector(self._blend(context)),
-            prerequisites_of_calc=inputs,
-        )
-        self.DeclareVectorOutputPort(
+        self.declare_vector_output("effort", n, self._blend, inputs)
+        self.declare_vector_output(
             "actuation",
             n,
-            lambda context, output: output.SetFromVector(
-                self._blend(context).take(self._to_plant)
-            ),
-            prerequisites_of_calc=inputs,
+            lambda context: self._blend(context).take(self._to_plant),
+            inputs,
         )
 
     def _blend(self, context: Context) -> np.ndarray:

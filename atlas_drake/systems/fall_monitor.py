@@ -24,12 +24,7 @@ TICKS = 2
 
 @dataclass(frozen=True)
 class Fall(Frozen):
-    """The first sign of a fall.
-
-    Attributes:
-        time: Time of the sign [s].
-        sign: Description of the posture.
-    """
+    """Time [s] and sign of a fall, such as the tilt of the pelvis."""
 
     time: float
     sign: str
@@ -45,8 +40,6 @@ class FallMonitor(CollectableSystem):
         fall: ``Fall``; NOTHING until the robot falls.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         robot: Robot,
@@ -54,14 +47,7 @@ class FallMonitor(CollectableSystem):
         config: ControllerConfig,
         period: float,
     ) -> None:
-        """Looks at ``robot`` in ``plant`` every ``TICKS`` control periods.
-
-        Args:
-            robot: The robot.
-            plant: A finalized plant with the robot.
-            config: Parameters of the controller.
-            period: The control period [s].
-        """
+        """Looks at ``robot`` in ``plant`` every ``TICKS`` control periods [s]."""
         super().__init__()
         self._plant: Any = plant
         self._limits = config.fall

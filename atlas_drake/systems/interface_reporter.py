@@ -7,12 +7,10 @@ ports.
 from dataclasses import fields
 from typing import Any
 
-from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.errors import ErrorCode
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasBehaviorFeedback,
     AtlasBehaviorManipulateFeedback,
@@ -26,7 +24,7 @@ from atlas_drake.messages import (
     Quaternion,
     Vector3,
 )
-from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
+from atlas_drake.messages.atlas_state import AtlasPositionData
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
@@ -49,12 +47,8 @@ def answer(
 ) -> tuple[AtlasBehaviorFeedback, ErrorCode]:
     """Returns the answer to the last message: result of the transition, and error.
 
-    The errors of refused messages, which never reach the controller, are added.
-
-    Args:
-        status: Status of the controller.
-        error: Error code of the last message.
-        reached: True if the last message is the controller's last request.
+    ``error`` is that of the last message, refused ones included; it is the controller's
+    own if the message ``reached`` it as its last request.
     """
     transition = status.behavior_feedback
     if error == ErrorCode.NO_SUCH_BEHAVIOR:
@@ -79,8 +73,6 @@ class InterfaceReporter(CollectableSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
-    __slots__ = ()
-
     def __init__(self, robot: Robot):
         """Reports on ``robot``."""
         super().__init__()
@@ -91,18 +83,12 @@ class InterfaceReporter(CollectableSystem):
             "state", self._plant.num_multibody_states()
         )
         self._effort = self.DeclareVectorInputPort("behavior_effort", robot.num_joints)
-        self._status, self._commands = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("controller_status", "commands")
-        )
+        self._status = self.declare_value_input("controller_status")
+        self._commands = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(self._plant.CreateDefaultContext)
-        self.DeclareAbstractOutputPort(
-            "atlas_sim_interface_state",
-            lambda: AbstractValue.Make(AtlasSimInterfaceState()),
-            self._calc_report,
-        )
+        self.declare_value_output("atlas_sim_interface_state", self._report)
 
-    def _calc_report(self, context: Context, output: AbstractValue) -> None:
+    def _report(self, context: Context) -> AtlasSimInterfaceState:
         commands: ActiveCommand = self._commands.Eval(context)
         state = self._state.Eval(context)
         status: ControllerStatus = self._status.Eval(context)
@@ -132,7 +118,7 @@ class InterfaceReporter(CollectableSystem):
             for index in self._soles
         ]
         report.k_effort = commands.k_effort.astype(int).tolist()
-        output.set_value(report)
+        return report
 
 
 def _pose(X_WF: RigidTransform) -> Pose:

@@ -8,13 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-    State,
-    ValueProducer,
-)
+from pydrake.systems.framework import Context, DiscreteValues, State
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
 from atlas_drake.control.joints.joint_pid import (
@@ -42,29 +36,17 @@ _PID_FIELDS = [field.name for field in fields(PidState)]
 
 @dataclass(frozen=True)
 class PreparedLaw(Frozen):
-    """Data of the law that change seldom.
+    """Data of the law that change seldom, computed for a command and a pose."""
 
-    Attributes:
-        time: Time at which the data were computed [s].
-        source: The command for which the data were computed.
-        q: Joint positions for which the data were computed [rad].
-        command: ``source`` ``within_limits`` of the joints.
-        rest: 1 - k, the behavior's share of each joint.
-        active: True for each joint with k > 0.
-        offset: The static effort at joint positions zero, without integral [N·m].
-        integrates: True if any joint has an integral term.
-        model: Response of velocities to efforts.
-    """
-
-    time: float
+    time: float  # At which the data were computed [s].
     source: JointCommand
-    q: np.ndarray
-    command: JointCommand
-    rest: np.ndarray
-    active: np.ndarray
-    offset: np.ndarray
-    integrates: bool
-    model: StepModel
+    q: np.ndarray  # Joint positions [rad].
+    command: JointCommand  # ``source`` ``within_limits`` of the joints.
+    rest: np.ndarray  # 1 - k, the behavior's share of each joint.
+    active: np.ndarray  # True for each joint with k > 0.
+    offset: np.ndarray  # Static effort at joint positions zero, no integral [N·m].
+    integrates: bool  # True if any joint has an integral term.
+    model: StepModel  # Response of velocities to efforts.
 
     def static_effort(self, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Computes ``static_effort`` of the command from the precomputed offset."""
@@ -99,8 +81,6 @@ class JointPidBank(CollectableSystem):
     efforts since the last control tick.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         robot: Robot,
@@ -125,9 +105,7 @@ class JointPidBank(CollectableSystem):
         self._num_positions = num_positions
         num_states = num_positions + len(indices.generalized)
         self._state_input = self.DeclareVectorInputPort("state", num_states)
-        self._command_input = self.DeclareAbstractInputPort(
-            "joint_command", AbstractValue.Make(NOTHING)
-        )
+        self._command_input = self.declare_value_input("joint_command")
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         # The fields of ``PidState`` in their order: one vector is read at once.
         self._at_start = np.zeros(len(_PID_FIELDS) * n)
@@ -135,24 +113,14 @@ class JointPidBank(CollectableSystem):
         self._memory = self.DeclareDiscreteState(self._at_start)
         self._nothing = read_only(np.zeros(n))
         # Output and update read the same step.
-        self._step = self.DeclareCacheEntry(
+        self._step = self.declare_cached(
             "one step of the law",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(NOTHING),
-                calc=self.callback(self._calc_step),
-            ),
+            self._compute_step,
             {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
         )
-        self.DeclareAbstractOutputPort(
-            "user_forecast",
-            lambda: AbstractValue.Make(UserForecast(*[self._nothing] * 3)),
-            self._calc_forecast,
-        )
-        self.DeclareVectorOutputPort(
-            "user_effort",
-            n,
-            self._calc_effort,
-            prerequisites_of_calc={self._step.ticket()},
+        self.declare_value_output("user_forecast", self._forecast)
+        self.declare_vector_output(
+            "user_effort", n, self._effort, {self._step.ticket()}
         )
         self._scratch = self.declare_scratch_context(self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
@@ -171,7 +139,7 @@ class JointPidBank(CollectableSystem):
         context.SetDiscreteState(self._carried, self._nothing)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
 
-    def _calc_step(self, context: Context, result: AbstractValue) -> None:
+    def _compute_step(self, context: Context) -> PidStep:
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         v = state.take(self._v)
@@ -193,14 +161,12 @@ class JointPidBank(CollectableSystem):
         idle = change_without_user(last, static, v, others, law.model)
         effort, total = user_effort(static, v + idle, others, law.model, self._limit)
         expected = idle + law.model.response @ (total - others)
-        result.set_value(
-            PidStep(PidState(integral, v, total, expected, static), effort * law.active)
-        )
+        after = PidState(integral, v, total, expected, static)
+        return PidStep(after, effort * law.active)
 
-    def _calc_effort(self, context: Context, output: BasicVector) -> None:
+    def _effort(self, context: Context) -> np.ndarray:
         idle = self._is_idle(context)
-        effort = self._nothing if idle else self._step.Eval(context).effort
-        output.SetFromVector(effort)
+        return self._nothing if idle else self._step.Eval(context).effort
 
     def _is_idle(self, context: Context) -> bool:
         """Returns True while the user has no share of any joint."""
@@ -223,7 +189,6 @@ class JointPidBank(CollectableSystem):
             discrete.set_value(self._memory, after)
 
     def _update_carried(self, context: Context, discrete: DiscreteValues) -> None:
-        """Keeps the efforts that the behavior gives until the next control tick."""
         discrete.set_value(self._carried, self._behavior_input.Eval(context))
 
     def _remembered(self, context: Context) -> PidState:
@@ -231,10 +196,9 @@ class JointPidBank(CollectableSystem):
         values = context.get_discrete_state(self._memory).value()
         return PidState(*values.reshape(len(_PID_FIELDS), -1))
 
-    def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
+    def _forecast(self, context: Context) -> UserForecast:
         if self._is_idle(context):
-            output.set_value(UserForecast(*[self._nothing] * 3))
-            return
+            return UserForecast(*[self._nothing] * 3)
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         law = self._law(context, source)
@@ -248,16 +212,14 @@ class JointPidBank(CollectableSystem):
         if any((np.abs(e) > limit)[law.active].any() for e in (static, explicit)):
             effort = self._step.Eval(context).effort
             excess = effort - np.clip(effort, -limit, limit)
-        output.set_value(
-            forecast_user_effort(
-                static,
-                law.command.kp_position,
-                damping,
-                v,
-                excess,
-                self._control_period,
-                self._dt,
-            )
+        return forecast_user_effort(
+            static,
+            law.command.kp_position,
+            damping,
+            v,
+            excess,
+            self._control_period,
+            self._dt,
         )
 
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:

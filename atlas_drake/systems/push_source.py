@@ -19,33 +19,62 @@ from pydrake.systems.framework import Context, State
 
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import InvalidMessageError, ScenarioError, did_you_mean, shown
-from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.messages.recent import append_recent
+from atlas_drake.messages.event import append_recent
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.pushes import LARGEST_FORCE, PlannedPush
+from atlas_drake.scenario.pushes import (
+    LARGEST_FORCE,
+    LIFT_OFF,
+    TOUCHDOWN,
+    PlannedPush,
+)
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.gait_watch import FootLoad
 
 SAME_TIME = 1e-9
 """Times closer than this are the same [s]: times are sums of rounded periods."""
 RECENT = 8
 """Least number of recent pushes that are kept for readers."""
-VERTICAL = (5, 11)
-"""Indices of the feet's vertical forces in the station's ``foot_wrenches``."""
+UNLOADED, LOADED = 0.01, 0.05
+"""Shares of the robot's weight below which a foot is in the air, and above which it is
+on the ground; in between its state does not change [-]."""
+LIFTED_FOR = 0.03
+"""Time in the air after which a foot has lifted off: less is a jolt [s]."""
+DOWN_FOR = 0.1
+"""Least time on the ground after a touchdown: a lift-off within it is a bounce [s]."""
+
+
+@dataclass(frozen=True)
+class FootLoad(Frozen):
+    """State of one foot of any controller's robot, from the load on its sole."""
+
+    down: bool | None = None  # True on the ground; None before the first load.
+    touched: float = -math.inf  # Time of the last touchdown [s].
+    unloaded: float | None = None  # Time since which a foot down carries nothing [s].
+
+    def after(self, time: float, load: float) -> tuple[FootLoad, str | None]:
+        """Returns the state after a load, and a lift-off or touchdown at it, if any.
+
+        ``load`` is the share of the robot's weight on this foot [-].
+        """
+        if self.down is None:
+            return FootLoad(load > LOADED), None
+        if not self.down:
+            if load <= LOADED:
+                return self, None
+            return FootLoad(True, time), TOUCHDOWN
+        if load >= UNLOADED or time - self.touched < DOWN_FOR:
+            return FootLoad(True, self.touched), None
+        unloaded = time if self.unloaded is None else self.unloaded
+        if time - unloaded < LIFTED_FOR - 1e-9:
+            return FootLoad(True, self.touched, unloaded), None
+        return FootLoad(False, self.touched), LIFT_OFF
 
 
 @dataclass(frozen=True)
 class Push(Frozen):
-    """A force on a body at its origin.
-
-    Attributes:
-        body: Name of the link.
-        force_W: Force in W [N], shape (3,).
-        time: Begin of the push [s].
-        duration: Duration of the push [s].
-    """
+    """A force on a body at its origin, in W [N], from ``time`` on for ``duration``."""
 
     body: str
     force_W: np.ndarray
@@ -70,34 +99,21 @@ class Push(Frozen):
 
 @dataclass(frozen=True)
 class PushState(Frozen):
-    """State of the pushes.
+    """State of the pushes."""
 
-    Attributes:
-        planned: Planned pushes with their times [s].
-        awaited: Planned pushes that wait for the gait, with the number of events left.
-        feet: Loads on the left and the right foot.
-        active: Pushes that have begun, or begin within the control period, and have not
-            ended.
-        forces: Bodies and mean forces of the present control period in W [N].
-        recent: The latest pushes that began.
-        begun: Number of pushes that began in the run.
-    """
-
-    planned: tuple[tuple[float, PlannedPush], ...] = ()
-    awaited: tuple[tuple[PlannedPush, int], ...] = ()
-    feet: tuple[FootLoad, ...] = (FootLoad(), FootLoad())
-    active: tuple[Push, ...] = ()
-    forces: tuple[tuple[str, np.ndarray], ...] = ()
-    recent: tuple[Push, ...] = ()
-    begun: int = 0
+    planned: tuple[tuple[float, PlannedPush], ...] = ()  # With their times [s].
+    awaited: tuple[tuple[PlannedPush, int], ...] = ()  # With the gait events left.
+    feet: tuple[FootLoad, ...] = (FootLoad(), FootLoad())  # Left and right.
+    active: tuple[Push, ...] = ()  # Begun, or to begin within the control period.
+    forces: tuple[tuple[str, np.ndarray], ...] = ()  # Mean of the period in W [N].
+    recent: tuple[Push, ...] = ()  # The latest pushes that began.
+    begun: int = 0  # Number of pushes that began in the run.
 
     def watched(self, time: float, loads: Sequence[float], left: float) -> PushState:
-        """Returns the state after the loads of a control tick.
+        """Returns the state after a control tick.
 
-        Args:
-            time: Present time [s].
-            loads: Shares of the robot's weight on both feet [-].
-            left: Time until the next touchdown as the behavior plans it [s].
+        ``loads`` are the shares of the robot's weight on both feet [-], ``left`` is the
+        time until the next touchdown as the behavior plans it [s].
         """
         feet, planned, awaited = [], list(self.planned), self.awaited
         for name, foot, load in zip(("left", "right"), self.feet, loads, strict=True):
@@ -133,7 +149,7 @@ class PushSource(CollectableSystem):
 
     Input ports:
         state: Positions and velocities of the robot.
-        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
+        foot_loads: Vertical contact forces on the feet [N], shape (2,).
         controller_status: ``ControllerStatus``.
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
@@ -143,8 +159,6 @@ class PushSource(CollectableSystem):
         pushes: ``PushState``.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         robot: Robot,
@@ -152,11 +166,7 @@ class PushSource(CollectableSystem):
         plans: Sequence[PlannedPush],
         period: float,
     ):
-        """Begins the planned pushes, and looks at the feet every ``period`` [s].
-
-        Raises:
-            ScenarioError: If the robot lacks a body that is to be pushed.
-        """
+        """Looks at the feet and the planned pushes every ``period`` [s]."""
         super().__init__()
         self._robot, self._period = robot, period
         self._orientation = robot.indices(plant).pelvis.orientation
@@ -167,10 +177,8 @@ class PushSource(CollectableSystem):
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )
-        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._status_input = self.DeclareAbstractInputPort(
-            "controller_status", AbstractValue.Make(NOTHING)
-        )
+        self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
+        self._status_input = self.declare_value_input("controller_status")
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
         self._pushes = self.DeclareAbstractState(
@@ -217,7 +225,7 @@ class PushSource(CollectableSystem):
         """Pushes a body from now on.
 
         Args:
-            context: Context of this system.
+            context: Context of this system; changed.
             body: Name of the link.
             force_W: Force in W [N], shape (3,).
             duration: Duration of the push [s], positive.
@@ -267,10 +275,9 @@ class PushSource(CollectableSystem):
         if not (pushes.planned or pushes.awaited or pushes.active):
             return
         if pushes.awaited and now > 0.0:  # Loads exist from the first step on.
-            wrenches = self._wrench_input.Eval(context)
             weight = self._robot.mass * GRAVITY
             left = time_to_touchdown(self._status_input.Eval(context))
-            loads = [float(wrenches[index]) / weight for index in VERTICAL]
+            loads = [load / weight for load in self._load_input.Eval(context).tolist()]
             pushes = pushes.watched(now, loads, left)
         stop = now + self._period
         due = [entry for entry in pushes.planned if entry[0] < stop - SAME_TIME]

@@ -32,14 +32,10 @@ class RecordKinematics:
         measured: np.ndarray,
         contact_wrenches: np.ndarray,
     ) -> tuple[Feet, Hands]:
-        """Computes the poses of the soles, and the wrenches on feet and hands.
+        """Computes poses of the soles as measured, and true wrenches on feet and hands.
 
-        Args:
-            scratch: Context of the model; it has the measured state afterwards.
-            state: True state of the robot, in plant order.
-            measured: State that the controller reads.
-            contact_wrenches: Wrenches on feet and hands about W's origin [N·m; N],
-                shape (24,).
+        ``contact_wrenches`` are about W's origin [N·m; N], shape (24,); ``scratch`` has
+        the measured state afterwards.
         """
         wrenches = contact_wrenches.reshape(4, 6).copy()
         self._model.SetPositionsAndVelocities(scratch, state)
@@ -64,12 +60,9 @@ class RecordKinematics:
         return feet, Hands(torques[2], forces[2], torques[3], forces[3])
 
     def balance(self, scratch: Context, feet: Feet, plan: Plan) -> Balance:
-        """Computes CoM, DCM and CoP at the state of the model.
+        """Computes CoM, DCM and CoP at the state of the model, in ``scratch``.
 
-        Args:
-            scratch: Context of the model.
-            feet: The feet at that state.
-            plan: Plan of the controller; its natural frequency defines the DCM.
+        The plan's natural frequency defines the DCM.
         """
         com = self._model.CalcCenterOfMassPositionInWorld(scratch)
         velocity = self._model.CalcCenterOfMassTranslationalVelocityInWorld(scratch)

@@ -87,8 +87,6 @@ class RecordListener(CollectableSystem):
     belongs to whoever listens. Input ports are those of ``RecordInputs``.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         listen: Callable[[TickRecord], object],

@@ -3,24 +3,27 @@
 Messages are made only when their ports are read; the controller reads plain vectors.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, FrameIndex
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+from pydrake.multibody.tree import FrameIndex
+from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.wrenches import shift_to_frames
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.imu_model import ImuModel
-from atlas_drake.systems.noisy_system import NoisySystem
+from atlas_drake.systems.contact_forces import contact_wrenches, shapes_of
+from atlas_drake.systems.imu import ImuModel, NoisySystem
+
+_GAINS = (
+    *("kp_position", "ki_position", "kd_position", "kp_velocity"),
+    *("i_effort_min", "i_effort_max"),
+)
 
 
 class RobotSensors(NoisySystem):
@@ -48,8 +51,6 @@ class RobotSensors(NoisySystem):
         imu: ``Imu``
         sensor_noise: ``SensorNoise`` in force, for measurements that are made later.
     """
-
-    __slots__ = ()
 
     def __init__(
         self,
@@ -90,63 +91,48 @@ class RobotSensors(NoisySystem):
             "acceleration", plant.num_velocities(own)
         )
         self._effort = self.DeclareVectorInputPort("effort", n)
-        self._commands = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(NOTHING)
-        )
+        self._commands = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         state_ticket = self.input_port_ticket(self._state.get_index())
-        self.DeclareVectorOutputPort(
-            "measured_state",
-            num_states,
-            self._calc_measured_state,
-            # Noise depends on time; without noise the cache stays valid longer.
-            prerequisites_of_calc={state_ticket}
-            if noise == NoiseModel()
-            else {state_ticket, self.time_ticket(), self.pa_ticket()},
+        # Noise depends on time; without noise the cache stays valid longer.
+        sources = {state_ticket}
+        if noise != NoiseModel():
+            sources |= {self.time_ticket(), self.pa_ticket()}
+        self.declare_vector_output(
+            "measured_state", num_states, self._measured, sources
         )
         # About W's origin, because the poses of soles and hands are costly and seldom
         # needed: both feet, then both hands.
         self._wrenches = self.DeclareDiscreteState(24)
         self.DeclareStateOutputPort("contact_wrenches", self._wrenches)
-        self.DeclareVectorOutputPort(
+        self.declare_vector_output(
             "foot_loads",
             2,
-            lambda context, output: output.SetFromVector(
-                self._sampled(context)[[5, 11]]
-            ),
-            prerequisites_of_calc={self.xd_ticket()},
+            lambda context: self._sampled(context)[[5, 11]],
+            {self.xd_ticket()},
         )
         for name, part, frames in (
             ("foot_wrenches", slice(0, 12), robot.soles(plant)),
             ("hand_wrenches", slice(12, 24), hands),
         ):
-            self.DeclareVectorOutputPort(
+            self.declare_vector_output(
                 name,
                 12,
-                partial(self._calc_wrenches, part, frames),
-                prerequisites_of_calc={self.xd_ticket(), state_ticket},
+                partial(self._shifted, part, frames),
+                {self.xd_ticket(), state_ticket},
             )
         self.DeclarePeriodicDiscreteUpdateEvent(
             control_period, 0.0, self._sample_wrenches
         )
-        self.DeclareAbstractOutputPort(
-            "atlas_state", lambda: AbstractValue.Make(AtlasState()), self._calc_state
-        )
-        self.DeclareAbstractOutputPort(
-            "imu", lambda: AbstractValue.Make(Imu()), self._calc_imu
-        )
-        self.DeclareAbstractOutputPort(
-            "sensor_noise",
-            lambda: AbstractValue.Make(NOTHING),
-            lambda context, output: output.set_value(self.noise(context)),
-            prerequisites_of_calc={self.pa_ticket()},
-        )
+        self.declare_value_output("atlas_state", self._atlas_state)
+        self.declare_value_output("imu", self._imu)
+        self.declare_value_output("sensor_noise", self.noise, {self.pa_ticket()})
 
     def reset(self, context: Context) -> None:
         """Clears the last contact forces."""
         context.SetDiscreteState(self._wrenches, np.zeros(24))
 
-    def _calc_measured_state(self, context: Context, output: BasicVector) -> None:
+    def _measured(self, context: Context) -> np.ndarray:
         state = self._state.Eval(context)
         if not self.noise(context).silent:
             noise = self.noise(context).sample(context.get_time())
@@ -157,14 +143,11 @@ class RobotSensors(NoisySystem):
             R_WP = rotation_matrix(state[indices.pelvis.orientation])
             turned = R_WP @ (self._imu_model.R_PI @ noise.angular_velocity)
             state[self._imu_model.w] += turned
-        output.SetFromVector(state)
+        return state
 
     def _sample_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
-        """Reads the contacts, which the plant's step at this instant solves anyway.
-
-        Reading them before the controller's update would solve them once more, with
-        outdated efforts.
-        """
+        # The plant's step at this instant solves the contacts anyway; before the
+        # controller's update they would be solved once more, with outdated efforts.
         totals = contact_wrenches(
             self._contacts.Eval(context), self._bodies, self._shapes
         )
@@ -176,14 +159,10 @@ class RobotSensors(NoisySystem):
         """Returns the wrenches on feet and hands about W's origin, shape (24,)."""
         return context.get_discrete_state(self._wrenches).value()
 
-    def _calc_wrenches(
-        self,
-        part: slice,
-        frames: Sequence[FrameIndex],
-        context: Context,
-        output: BasicVector,
-    ) -> None:
-        """Calculates a part of the wrenches, each about the origin of its frame."""
+    def _shifted(
+        self, part: slice, frames: Sequence[FrameIndex], context: Context
+    ) -> np.ndarray:
+        """Computes a part of the wrenches, each about the origin of its frame."""
         wrenches = self._sampled(context)[part].copy()
         if wrenches.any():
             scratch = self._scratch.Eval(context)
@@ -193,9 +172,9 @@ class RobotSensors(NoisySystem):
             shift_to_frames(
                 wrenches.reshape(-1, 6), map(self._plant.get_frame, frames), scratch
             )
-        output.SetFromVector(wrenches)
+        return wrenches
 
-    def _calc_imu(self, context: Context, output: AbstractValue) -> None:
+    def _imu(self, context: Context) -> Imu:
         time = context.get_time()
         q_WI, rate, force = self._imu_model.measure(
             self._state.Eval(context),
@@ -203,16 +182,10 @@ class RobotSensors(NoisySystem):
             self.noise(context),
             time,
         )
-        # All at once: an empty message first would make every part twice.
-        imu = Imu(
-            Header(time),
-            Quaternion.from_wxyz(q_WI),
-            Vector3.from_array(rate),
-            Vector3.from_array(force),
-        )
-        output.set_value(imu)
+        vectors = Vector3.from_array(rate), Vector3.from_array(force)
+        return Imu(Header(time), Quaternion.from_wxyz(q_WI), *vectors)
 
-    def _calc_state(self, context: Context, output: AbstractValue) -> None:
+    def _atlas_state(self, context: Context) -> AtlasState:
         state = self.GetOutputPort("measured_state").Eval(context)
         commands = self._commands.Eval(context)
         imu: Imu = self.GetOutputPort("imu").Eval(context)
@@ -222,14 +195,7 @@ class RobotSensors(NoisySystem):
         velocities = state[self._num_q :]
         message.velocity = velocities[self._indices.v].tolist()
         message.effort = self._effort.Eval(context).tolist()
-        for name in (
-            "kp_position",
-            "ki_position",
-            "kd_position",
-            "kp_velocity",
-            "i_effort_min",
-            "i_effort_max",
-        ):
+        for name in _GAINS:
             setattr(message, name, getattr(commands.joints, name).tolist())
         message.k_effort = commands.k_effort.astype(int).tolist()
         message.orientation = imu.orientation
@@ -239,69 +205,7 @@ class RobotSensors(NoisySystem):
         hands = self.GetOutputPort("hand_wrenches").Eval(context)
         message.l_foot, message.r_foot = _wrench(feet[:6]), _wrench(feet[6:])
         message.l_hand, message.r_hand = _wrench(hands[:6]), _wrench(hands[6:])
-        output.set_value(message)
-
-
-def shapes_of(plant: MultibodyPlant, bodies: Mapping[int, int]) -> dict[int, int]:
-    """Maps the number of each collision shape of some bodies to what its body maps to.
-
-    A ``GeometryId`` of the plant would keep the plant alive.
-    """
-    return {
-        shape.get_value(): place
-        for body, place in bodies.items()
-        for shape in plant.GetCollisionGeometriesForBody(
-            plant.get_body(BodyIndex(body))
-        )
-    }
-
-
-def contact_wrenches(
-    results: ContactResults,
-    bodies: Mapping[int, int],
-    shapes: Mapping[int, int],
-) -> list[list[float]]:
-    """Sums the contact forces on some bodies, about W's origin.
-
-    Args:
-        results: Contacts of the plant, as points or as surfaces.
-        bodies: Maps the index of a body in the plant to its index in the result.
-        shapes: Maps each collision shape of these bodies likewise.
-
-    Returns:
-        Moment and force in W for each body [N·m; N], six numbers.
-    """
-    totals = [[0.0] * 6 for _ in set(bodies.values())]
-
-    def add(place: int, sign: float, point: Any, force: Any) -> None:
-        x, y, z = point.tolist()
-        fx, fy, fz = (sign * force).tolist()
-        total = totals[place]
-        total[0] += y * fz - z * fy
-        total[1] += z * fx - x * fz
-        total[2] += x * fy - y * fx
-        total[3] += fx
-        total[4] += fy
-        total[5] += fz
-
-    for k in range(results.num_point_pair_contacts()):
-        info = results.point_pair_contact_info(k)
-        # The force is that on body B.
-        for body, sign in ((info.bodyB_index(), 1.0), (info.bodyA_index(), -1.0)):
-            place = bodies.get(int(body))
-            if place is not None:
-                add(place, sign, info.contact_point(), info.contact_force())
-    for k in range(results.num_hydroelastic_contacts()):
-        info = results.hydroelastic_contact_info(k)
-        surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
-        # The force is that on body A, whose shape is M.
-        for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
-            place = shapes.get(shape.get_value())
-            if place is not None:
-                add(place, sign, surface.centroid(), F_Ac_W.translational())
-                for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):
-                    totals[place][axis] += moment
-    return totals
+        return message
 
 
 def _wrench(coefficients: np.ndarray) -> Wrench:

@@ -1,13 +1,15 @@
-"""Extremes of a run, kept in the Context.
+"""Numbers for reports, kept in the Context while a run goes on.
 
-For the summary only; no controller reads them.
+Peaks, the motors' work, and the error of the estimate; no controller reads them.
 """
 
 import math
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, DiscreteValues
 
+from atlas_drake.control.estimation.attitude import rotation_matrix, turn_between
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -24,8 +26,6 @@ class RunStatistics(CollectableSystem):
             height [m] and the largest tilt [rad] of the pelvis, shape (n + 2,).
     """
 
-    __slots__ = ()
-
     def __init__(
         self, robot: Robot, indices: PlantIndices, num_states: int, period: float
     ):
@@ -39,18 +39,15 @@ class RunStatistics(CollectableSystem):
         self._actuation = self.DeclareVectorInputPort("actuation", n)
         start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
         self._peaks = self.DeclareDiscreteState(start)
-        self.DeclareVectorOutputPort(
-            "peaks",
-            n + 2,
-            self._calc_peaks,
-            prerequisites_of_calc={self.xd_ticket()},
+        self.declare_vector_output(
+            "peaks", n + 2, self._in_message_order, {self.xd_ticket()}
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _calc_peaks(self, context: Context, output: BasicVector) -> None:
+    def _in_message_order(self, context: Context) -> np.ndarray:
         peaks = context.get_discrete_state(self._peaks).value().copy()
         peaks[:-2] = peaks[self._order] * self._per_limit
-        output.SetFromVector(peaks)
+        return peaks
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         state = self._state.Eval(context)
@@ -63,3 +60,88 @@ class RunStatistics(CollectableSystem):
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
         discrete.set_value(self._peaks, after)
+
+
+class EnergyMeter(CollectableSystem):
+    """Efforts and state in, work so far out.
+
+    Input ports:
+        effort: Efforts of the motors [N·m], shape (n,).
+        state: Positions and velocities of the robot.
+
+    Output ports:
+        work: Work done by the motors, and work done on them; both positive [J],
+            shape (2,).
+    """
+
+    def __init__(self, velocities: np.ndarray, num_states: int, period: float) -> None:
+        """Adds up every ``period`` [s].
+
+        ``velocities`` are the indices of the joints' velocities in the state, in the
+        order of the efforts.
+        """
+        super().__init__()
+        self._velocities, self._period = velocities, period
+        self._effort = self.DeclareVectorInputPort("effort", len(velocities))
+        self._state = self.DeclareVectorInputPort("state", num_states)
+        self._work = self.DeclareDiscreteState(2)
+        self.DeclareStateOutputPort("work", self._work)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        velocity = self._state.Eval(context)[self._velocities]
+        power = self._effort.Eval(context) * velocity
+        done = float(power[power > 0.0].sum())
+        taken = float(-power[power < 0.0].sum())
+        work = context.get_discrete_state(self._work).value()
+        discrete.set_value(self._work, work + self._period * np.array([done, taken]))
+
+
+class EstimationError(CollectableSystem):
+    """True and estimated state in, their difference out.
+
+    Input ports:
+        state: True positions and velocities of the robot.
+        estimated_state: Estimated positions and velocities of the robot.
+
+    Output ports:
+        estimation_error: Error of the pelvis, estimated minus true: position [m],
+            velocity [m/s] and rotation from the true to the estimated orientation
+            [rad], each in W; shape (9,).
+        largest_estimation_error: Largest errors of the run so far: distance [m], speed
+            [m/s], tilt [rad] and yaw [rad], shape (4,).
+    """
+
+    def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
+        """Updates the largest errors every ``period`` [s]."""
+        super().__init__()
+        self._pelvis = robot.indices(plant).pelvis
+        size = plant.num_multibody_states(robot.instance(plant))
+        self._true = self.DeclareVectorInputPort("state", size)
+        self._estimated = self.DeclareVectorInputPort("estimated_state", size)
+        self._largest = self.DeclareDiscreteState(4)
+        self._error = self.declare_vector_output("estimation_error", 9, self._present)
+        self.DeclareStateOutputPort("largest_estimation_error", self._largest)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _present(self, context: Context) -> np.ndarray:
+        true, estimated = self._true.Eval(context), self._estimated.Eval(context)
+        pelvis, difference = self._pelvis, estimated - true
+        q_WP = true[pelvis.orientation]
+        turn_P = turn_between(q_WP, estimated[pelvis.orientation])
+        turn_W = rotation_matrix(q_WP) @ turn_P
+        parts = difference[pelvis.position], difference[pelvis.velocity], turn_W
+        return np.concatenate(parts)
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        largest = context.get_discrete_state(self._largest).value()
+        now = error_sizes(self._error.Eval(context))
+        discrete.set_value(self._largest, np.maximum(largest, now))
+
+
+def error_sizes(error: np.ndarray) -> np.ndarray:
+    """Computes distance [m], speed [m/s], tilt and yaw [rad] of an error, (4,)."""
+    x, y, z, vx, vy, vz, roll, pitch, yaw = error.tolist()
+    distance = math.sqrt(x * x + y * y + z * z)
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    return np.array([distance, speed, math.hypot(roll, pitch), abs(yaw)])

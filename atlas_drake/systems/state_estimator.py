@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import BasicVector, Context, State, ValueProducer
+from pydrake.systems.framework import Context, State
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.estimation.leg_odometry import (
@@ -18,7 +18,7 @@ from atlas_drake.control.estimation.leg_odometry import (
     start_odometry,
 )
 from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
-from atlas_drake.frozen import NOTHING, Frozen
+from atlas_drake.frozen import Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import cross
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -26,13 +26,7 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 @dataclass(frozen=True)
 class EstimatorState(Frozen):
-    """State of the estimator.
-
-    Attributes:
-        time: Time of the last tick [s].
-        odometry: State of the filter at the last tick; None before the first tick and
-            after a reset.
-    """
+    """Time [s] and state of the filter at the last tick; None without a tick."""
 
     time: float = 0.0
     odometry: OdometryState | None = None
@@ -58,8 +52,6 @@ class StateEstimator(CollectableSystem):
         estimated_state: Estimated state in plant order, with the measured joints.
     """
 
-    __slots__ = ()
-
     def __init__(
         self, robot: Robot, period: float, tuning: OdometryTuning | None = None
     ):
@@ -79,14 +71,8 @@ class StateEstimator(CollectableSystem):
         self._start = self.DeclareVectorInputPort("start_state", size)
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         self._state = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
-        self._odometry = self.DeclareCacheEntry(
-            "odometry",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(NOTHING),
-                calc=self.callback(self._calc_odometry),
-            ),
-        )
-        self.DeclareVectorOutputPort("estimated_state", size, self._calc_state)
+        self._odometry = self.declare_cached("odometry", self._present)
+        self.declare_vector_output("estimated_state", size, self._estimate)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
@@ -97,16 +83,13 @@ class StateEstimator(CollectableSystem):
         after = EstimatorState(context.get_time(), self._odometry.Eval(context))
         state.get_mutable_abstract_state(self._state).set_value(after)
 
-    def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
-        before = context.get_abstract_state(self._state).get_value()
+    def _present(self, context: Context) -> OdometryState:
+        before: EstimatorState = context.get_abstract_state(self._state).get_value()
         if before.odometry is None:
-            output.set_value(self._begin(context))
-            return
+            return self._begin(context)
         dt = context.get_time() - before.time
         # dt is 0 for a read at the instant of the tick, after its update.
-        output.set_value(
-            self._follow(context, before.odometry, dt) if dt > 0.0 else before.odometry
-        )
+        return self._follow(context, before.odometry, dt) if dt > 0 else before.odometry
 
     def _begin(self, context: Context) -> OdometryState:
         start, scratch = self._start.Eval(context), self._scratch.Eval(context)
@@ -125,12 +108,12 @@ class StateEstimator(CollectableSystem):
     ) -> OdometryState:
         inertial = self._inertial.Eval(context)
         after = predict(before, inertial[3:6], inertial[6:], dt, self._tuning)
-        p_IF_P, v_IF_P = self._legs(context, inertial[:3])
+        p_IF_P, v_IF_P = self.legs(context, inertial[:3])
         R_PW = rotation_matrix(after.q_WP).T
         load = self._loads.Eval(context) / self._weight
         return correct(after, p_IF_P @ R_PW, v_IF_P @ R_PW, load, dt, self._tuning)
 
-    def _legs(
+    def legs(
         self, context: Context, w_WP_P: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Computes position and velocity of both soles from joints and gyroscope.
@@ -152,7 +135,7 @@ class StateEstimator(CollectableSystem):
         ]
         return np.array(positions) - self._p_PI, np.array(velocities)
 
-    def _calc_state(self, context: Context, output: BasicVector) -> None:
+    def _estimate(self, context: Context) -> np.ndarray:
         odometry: OdometryState = self._odometry.Eval(context)
         R_WP = rotation_matrix(odometry.q_WP)
         p_PI_W, w_WP = R_WP @ self._p_PI, R_WP @ self._inertial.Eval(context)[:3]
@@ -162,4 +145,4 @@ class StateEstimator(CollectableSystem):
         state[pelvis.position] = odometry.p_WI - p_PI_W
         state[pelvis.angular_velocity] = w_WP
         state[pelvis.velocity] = odometry.v_WI - cross(w_WP, p_PI_W)
-        output.SetFromVector(state)
+        return state

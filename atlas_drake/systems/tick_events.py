@@ -12,9 +12,8 @@ from typing import Any, TypeVar
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import items_since
-from atlas_drake.systems.harness import HarnessState
+from atlas_drake.messages.event import Event, items_since
+from atlas_drake.systems.gantry import GantryState
 from atlas_drake.systems.push_source import PushState
 
 _NEVER = -1.0
@@ -30,19 +29,13 @@ def marks_at(
     commands: ActiveCommand,
     pushes: PushState,
     fall: Any,
-    harness: HarnessState | None,
+    gantry: Any,
 ) -> list[float]:
     """Returns the marks of an instant, ``NUM_MARKS`` numbers.
 
-    Args:
-        time: Present time [s].
-        event_count: Events of the controller so far.
-        commands: The commands in force.
-        pushes: The pushes.
-        fall: ``Fall``, or NOTHING.
-        harness: The harness; None without one.
+    ``event_count`` is the controller's; ``fall`` and ``gantry`` may be NOTHING.
     """
-    released = None if harness is None else harness.released
+    released = gantry.released if isinstance(gantry, GantryState) else None
     return [
         event_count,
         commands.received,
@@ -60,15 +53,9 @@ def events_between(
     pushes: PushState,
     fall: Any,
 ) -> tuple[Event, ...]:
-    """Returns the events between two instants, in order of time.
+    """Returns the events between two marks, in order of time.
 
-    Args:
-        before: Marks of the first instant.
-        after: Marks of the second instant.
-        status: Status of the controller at the second instant, or after it.
-        commands: The commands in force then.
-        pushes: The pushes then.
-        fall: ``Fall`` then, or NOTHING.
+    The values are those at the second instant; the status may be of a later one.
     """
     events = [*_between(commands.events, commands.received, before[1], after[1])]
     # A controller may start its count again at a reset.
@@ -78,10 +65,10 @@ def events_between(
         Event(push.time, "push", push.text())
         for push in _between(pushes.recent, pushes.begun, before[2], after[2])
     )
-    if _is_new(before[3], after[3]) and fall is not NOTHING:
+    if after[3] not in (_NEVER, before[3]) and fall is not NOTHING:
         events.append(Event(fall.time, "fall", f"falling ({fall.sign})"))
-    if _is_new(before[4], after[4]):
-        events.append(Event(after[4], "harness", "harness lets the robot down"))
+    if after[4] not in (_NEVER, before[4]):
+        events.append(Event(after[4], "gantry", "gantry lets the robot down"))
     return tuple(sorted(events, key=lambda event: event.time))
 
 
@@ -91,8 +78,3 @@ def _between(
     """Returns the items after the first ``seen`` ones up to number ``until``."""
     latest = items_since(items, total, int(seen))
     return latest[: max(len(latest) - int(total - until), 0)]
-
-
-def _is_new(before: float, after: float) -> bool:
-    """Returns True for a time that was not there before."""
-    return after not in (_NEVER, before)

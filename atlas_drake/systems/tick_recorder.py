@@ -12,12 +12,11 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.errors import ErrorCode
-from atlas_drake.frozen import NOTHING, read_only
+from atlas_drake.frozen import read_only
 from atlas_drake.messages import Message
 from atlas_drake.messages.commands import ActiveCommand, BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
@@ -41,7 +40,7 @@ from atlas_drake.records.tick_record import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.robot.robot import coordinates_beside
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.imu_model import ImuModel
+from atlas_drake.systems.imu import ImuModel
 from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS, answer
 from atlas_drake.systems.record_kinematics import RecordKinematics
 from atlas_drake.systems.tick_events import (
@@ -73,7 +72,7 @@ class TickRecorder(CollectableSystem):
         controller_status: ``ControllerStatus``
         pushes: ``PushState``
         fall: ``Fall``; NOTHING until the robot falls.
-        harness: ``HarnessState``; left out without a harness.
+        gantry: ``GantryState``; left out without a gantry.
 
     Output ports:
         record: ``TickRecord``.
@@ -89,19 +88,10 @@ class TickRecorder(CollectableSystem):
             the Context; the last one goes into the record.
     """
 
-    __slots__ = ()
-
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, period: float, estimated: bool
     ) -> None:
-        """Latches every ``period`` [s].
-
-        Args:
-            robot: The robot.
-            plant: The finalized plant of the simulation.
-            period: Time between two control ticks [s].
-            estimated: True if the station has a state estimator.
-        """
+        """Latches every ``period`` [s]; ``plant`` is that of the whole simulation."""
         super().__init__()
         n = robot.num_joints
         self._robot, self.period = robot, period
@@ -135,27 +125,18 @@ class TickRecorder(CollectableSystem):
         )
         self._numbers = self.DeclareVectorInputPort("numbers", sum(self.sizes.values()))
         self._event_count = self.DeclareVectorInputPort("event_count", 1)
-        self._noise, self._commands, self._status, self._pushes, self._fall = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in (
-                "sensor_noise",
-                "commands",
-                "controller_status",
-                "pushes",
-                "fall",
-            )
-        )
-        self._harness = self.DeclareAbstractInputPort(
-            "harness", AbstractValue.Make(NOTHING)
-        )
+        self._noise = self.declare_value_input("sensor_noise")
+        self._commands = self.declare_value_input("commands")
+        self._status = self.declare_value_input("controller_status")
+        self._pushes = self.declare_value_input("pushes")
+        self._fall = self.declare_value_input("fall")
+        self._gantry = self.declare_value_input("gantry")
         self._scratch = self.declare_scratch_context(self._model.CreateDefaultContext)
         self._nothing = np.full(self._places["marks before"].stop, np.nan)
         self._latest = self.DeclareDiscreteState(self._nothing)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._latch)
-        self.DeclareAbstractOutputPort(
-            "record", lambda: AbstractValue.Make(NOTHING), self._calc_record
-        )
-        self.DeclareVectorOutputPort("marks", NUM_MARKS, self._calc_marks)
+        self.declare_value_output("record", self._latest_record)
+        self.declare_vector_output("marks", NUM_MARKS, self._marks)
 
     def _schema(self, beside: dict[str, dict[str, int]]) -> Schema:
         model = self._model
@@ -178,12 +159,7 @@ class TickRecorder(CollectableSystem):
         context.SetDiscreteState(self._latest, forgotten)
 
     def events_since(self, context: Context, before: Sequence[float]) -> Any:
-        """Returns the events since an instant, and the marks of the present.
-
-        Args:
-            context: Context of this system.
-            before: Marks of the instant.
-        """
+        """Returns the events since the marks ``before``, and the present marks."""
         now = self.GetOutputPort("marks").Eval(context).tolist()
         return self._events(context, list(before), now), now
 
@@ -192,8 +168,6 @@ class TickRecorder(CollectableSystem):
         latest = context.get_discrete_state(self._latest).value()
         marks = _from_start(latest[self._places["marks"]])
         return self.events_since(context, marks)[0]
-
-    # ---- at a tick -----------------------------------------------------------
 
     def _latch(self, context: Context, discrete: DiscreteValues) -> None:
         before = context.get_discrete_state(self._latest).value()
@@ -221,30 +195,23 @@ class TickRecorder(CollectableSystem):
         )
 
     def _marks(self, context: Context) -> list[float]:
-        harness = (
-            self._harness.Eval(context) if self._harness.HasValue(context) else None
-        )
+        gantry = self._gantry.Eval(context) if self._gantry.HasValue(context) else None
         return marks_at(
             context.get_time(),
             float(self._event_count.Eval(context)[0]),
             self._commands.Eval(context),
             self._pushes.Eval(context),
             self._fall.Eval(context),
-            harness,
+            gantry,
         )
 
-    def _calc_marks(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._marks(context))
-
-    # ---- the record ----------------------------------------------------------
-
-    def _calc_record(self, context: Context, output: AbstractValue) -> None:
+    def _latest_record(self, context: Context) -> TickRecord:
         numbers = context.get_discrete_state(self._latest).value().copy()
         if np.isnan(numbers[0]):
             numbers = self._sample(context, numbers[self._places["marks"]])
         numbers.setflags(write=False)
         latched = {name: numbers[place] for name, place in self._places.items()}
-        output.set_value(self._record(context, latched))
+        return self._record(context, latched)
 
     def _record(self, context: Context, latched: dict[str, np.ndarray]) -> TickRecord:
         commands: ActiveCommand = self._commands.Eval(context)

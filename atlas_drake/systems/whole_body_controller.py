@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import BasicVector, Context, State
+from pydrake.systems.framework import Context, State
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
@@ -27,7 +27,7 @@ from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_height
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
-from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
+from atlas_drake.frozen import Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
@@ -43,27 +43,16 @@ _UNKNOWN = read_only(np.full(2, np.nan))
 
 @dataclass(frozen=True)
 class ControllerState(Frozen):
-    """State of the controller from one tick to the next.
-
-    Attributes:
-        supervisor: State of the behaviors.
-        effort: The behavior's effort per joint [N·m], shape (n,).
-        com: Center of mass at the last tick, horizontal in W [m], shape (2,).
-        omega: Natural frequency of the pendulum at the last tick [1/s].
-        solution: Solution of the QP at the last tick; None without a QP.
-        unsolved: Number of ticks whose QP had no solution.
-        in_a_row: Number of the last ticks without a solution, since one with.
-        warned: True if the run has its warning of many ticks without a solution.
-    """
+    """State of the controller from one tick to the next."""
 
     supervisor: SupervisorState
-    effort: np.ndarray
-    com: np.ndarray
-    omega: float = 1.0
-    solution: WholeBodySolution | None = None
-    unsolved: int = 0
-    in_a_row: int = 0
-    warned: bool = False
+    effort: np.ndarray  # Of the behavior, per joint [N·m], shape (n,).
+    com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
+    omega: float = 1.0  # Natural frequency of the pendulum [1/s].
+    solution: WholeBodySolution | None = None  # None without a QP.
+    unsolved: int = 0  # Number of ticks whose QP had no solution.
+    in_a_row: int = 0  # Number of them since the last solution.
+    warned: bool = False  # True once the run has its warning of many of them.
 
 
 class WholeBodyController(CollectableSystem):
@@ -83,8 +72,6 @@ class WholeBodyController(CollectableSystem):
             status would cost more.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         robot: Robot,
@@ -93,15 +80,7 @@ class WholeBodyController(CollectableSystem):
         initial_behavior: Behavior,
         entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
     ):
-        """Makes the behaviors.
-
-        Args:
-            robot: The controlled robot.
-            config: Parameters of the controller.
-            period: Time between two control ticks [s].
-            initial_behavior: The behavior at the start.
-            entries: Entries of the behaviors.
-        """
+        """Makes the behaviors of ``entries``; ticks every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
         self._robot = robot
@@ -123,36 +102,22 @@ class WholeBodyController(CollectableSystem):
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
-        self._user_input = self.DeclareAbstractInputPort(
-            "user_forecast", AbstractValue.Make(NOTHING)
-        )
-        self._command_input = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(NOTHING)
-        )
+        self._user_input = self.declare_value_input("user_forecast")
+        self._command_input = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(self._model.create_context)
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
-        self.DeclareVectorOutputPort(
-            "behavior_effort",
-            n,
-            self._calc_effort,
-            prerequisites_of_calc={self.xa_ticket()},
+        sources = {self.xa_ticket()}
+        self.declare_vector_output(
+            "behavior_effort", n, lambda context: self._present(context).effort, sources
         )
-        self.DeclareVectorOutputPort(
+        self.declare_vector_output(
             "event_count",
             1,
-            self._calc_event_count,
-            prerequisites_of_calc={self.xa_ticket()},
+            lambda context: [self._present(context).supervisor.event_count],
+            sources,
         )
-        for name, blank, calc in (
-            ("controller_status", ControllerStatus(), self._calc_status),
-            ("planned_paths", PlannedPaths(), self._calc_paths),
-        ):
-            self.DeclareAbstractOutputPort(
-                name,
-                lambda blank=blank: AbstractValue.Make(blank),
-                calc,
-                prerequisites_of_calc={self.xa_ticket()},
-            )
+        self.declare_value_output("controller_status", self._status, sources)
+        self.declare_value_output("planned_paths", self._paths, sources)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context, behavior: Behavior) -> None:
@@ -197,19 +162,11 @@ class WholeBodyController(CollectableSystem):
         com = read_only(terms.com[:2].copy())
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
-            effort = (
-                damping_effort(terms.v, self._limit, self._period)
-                if supervisor.in_damping_mode
-                else np.zeros(self._robot.num_joints)
-            )
-            return ControllerState(
-                supervisor,
-                effort,
-                com,
-                omega,
-                unsolved=before.unsolved,
-                warned=before.warned,
-            )
+            effort = np.zeros(self._robot.num_joints)
+            if supervisor.in_damping_mode:
+                effort = damping_effort(terms.v, self._limit, self._period)
+            counts = before.unsolved, 0, before.warned
+            return ControllerState(supervisor, effort, com, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(share, user, limit)
@@ -220,46 +177,31 @@ class WholeBodyController(CollectableSystem):
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
-        unsolved, in_a_row = before.unsolved, 0
-        if not solution.found:
-            unsolved, in_a_row = unsolved + 1, before.in_a_row + 1
+        unsolved = before.unsolved + (not solution.found)
+        in_a_row = 0 if solution.found else before.in_a_row + 1
         warned = before.warned or in_a_row == LONG_UNSOLVED
         if warned and not before.warned:
-            warning = _long_unsolved(context.get_time(), unsolved, solution.why)
+            text = (
+                f"the controller has found no solution in {unsolved} control ticks so "
+                "far; a fallback that does not balance holds the robot "
+                f"({solution.why or 'the reason is not known'})"
+            )
+            warning = Event(context.get_time(), "warning", text)
             supervisor = supervisor.with_event(warning)
         return ControllerState(
             supervisor, effort, com, omega, solution, unsolved, in_a_row, warned
         )
 
-    def _calc_effort(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._present(context).effort)
-
-    def _calc_event_count(self, context: Context, output: BasicVector) -> None:
-        output.SetAtIndex(0, self._present(context).supervisor.event_count)
-
-    def _calc_status(self, context: Context, output: AbstractValue) -> None:
+    def _status(self, context: Context) -> ControllerStatus:
         state = self._present(context)
         solution = state.solution
-        output.set_value(
-            replace(
-                self._supervisor.status(state.supervisor, state.com, state.omega),
-                solved=None if solution is None else solution.found,
-                unsolved=state.unsolved,
-                why_unsolved="" if solution is None else solution.why,
-            )
+        return replace(
+            self._supervisor.status(state.supervisor, state.com, state.omega),
+            solved=None if solution is None else solution.found,
+            unsolved=state.unsolved,
+            why_unsolved="" if solution is None else solution.why,
         )
 
-    def _calc_paths(self, context: Context, output: AbstractValue) -> None:
+    def _paths(self, context: Context) -> PlannedPaths:
         state = self._present(context)
-        output.set_value(
-            self._supervisor.paths(state.supervisor, state.com, state.omega)
-        )
-
-
-def _long_unsolved(time: float, unsolved: int, why: str) -> Event:
-    """Makes the warning of many ticks without a solution."""
-    text = (
-        f"the controller has found no solution in {unsolved} control ticks so far; a "
-        "fallback that does not balance holds the robot"
-    )
-    return Event(time, "warning", f"{text} ({why})" if why else text)
+        return self._supervisor.paths(state.supervisor, state.com, state.omega)

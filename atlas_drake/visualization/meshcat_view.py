@@ -32,8 +32,6 @@ class MeshcatView(CollectableSystem):
     ``RecordInputs``.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         meshcat: Meshcat,

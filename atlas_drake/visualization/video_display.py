@@ -85,8 +85,6 @@ class VideoDisplay(CollectableSystem):
         fault: Error that ended the filming; None if there was none.
     """
 
-    __slots__ = ()
-
     def __init__(
         self,
         video: Video,

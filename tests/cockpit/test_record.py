@@ -8,8 +8,7 @@ from atlas_drake import AtlasSimulation
 from atlas_drake.cockpit.operator import Operator
 from atlas_drake.cockpit.record import brief, planned_push
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceCommand
-from atlas_drake.messages.plain import message_from
-from atlas_drake.records.plain import to_plain
+from atlas_drake.records.plain import message_from, to_plain
 from atlas_drake.scenario import scenario_from
 
 NEAR = 0.005

@@ -32,7 +32,7 @@ def test_a_setting_has_unit_bounds_and_usual_value(settings):
     assert settings["jitter.mass"].bounds == "≥ 0, < 1"
     assert settings["jitter.mass"].needs == "a new run"
     assert settings["state"].choices == ("true", "estimated")
-    assert settings["start.harnessed"].kind == "flag"
+    assert settings["start.on_gantry"].kind == "flag"
     assert settings["controller.walk.limits.duration"].kind == "yaml"
 
 
@@ -64,7 +64,7 @@ def test_yaml_has_what_differs_and_makes_the_same_scenario():
     text = scenario_yaml(asked)
     fields = yaml_load(data=text)
     assert fields["controller"] == {"gains": {"dcm_gain": 2.5}}
-    assert "harness" not in fields
+    assert "gantry" not in fields
     assert scenario_from(fields).resolved() == asked
     named = yaml_load(data=scenario_yaml(replace(Scenario(), world="ramp").resolved()))
     assert named["world"] == "ramp"

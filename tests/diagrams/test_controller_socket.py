@@ -344,7 +344,7 @@ def test_planned_paths_of_another_type_are_refused():
             robot, lambda _context: "straight on", port="planned_paths"
         )
     )
-    with pytest.raises(TypeError, match="'planned_paths' must hold PlannedPaths"):
+    with pytest.raises(TypeError, match="planned_paths"):
         sim.output("planned_paths")
 
 

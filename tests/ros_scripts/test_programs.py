@@ -347,9 +347,9 @@ def test_control_modes_are_behaviors(run, word, behavior):
     assert set(ran.sim.atlas_state.k_effort) == {255 if word == "User" else 0}
 
 
-def test_the_mode_nominal_releases_the_harness(run):
+def test_the_mode_nominal_releases_the_gantry(run):
     scenario = Scenario(initial_behavior="FREEZE", **STEPS)
-    start = replace(scenario.start, harnessed=True)
+    start = replace(scenario.start, on_gantry=True)
     scenario = replace(scenario, start=start)
     ran = run(
         """
@@ -363,14 +363,14 @@ rospy.sleep(0.01)
         on=AtlasSimulation(scenario),
     )
     assert ran.problem is None, ran.complained
-    assert [event.kind for event in ran.sim.events][-2:] == ["reset", "harness"]
+    assert [event.kind for event in ran.sim.events][-2:] == ["reset", "gantry"]
 
 
-def test_a_mode_without_a_harness_is_a_hint_and_the_program_continues(run):
+def test_a_mode_without_a_gantry_is_a_hint_and_the_program_continues(run):
     text = "p = rospy.Publisher('/atlas/mode', String)\np.publish('harnessed')\n"
     ran = run(text)
     assert ran.problem is None
-    assert "start.harnessed=true" in ran.said[0]
+    assert "start.on_gantry=true" in ran.said[0]
 
 
 def test_a_command_without_effect_is_noted_once(run):

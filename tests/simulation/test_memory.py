@@ -35,7 +35,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
             Scenario(
                 state="estimated",
                 initial_behavior="USER",
-                start=Start(harnessed=True),
+                start=Start(on_gantry=True),
             ),
             view=meshcat,
             log=tmp_path / "run.mcap",
@@ -52,7 +52,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
     gc.collect()
     left = [name for name, part in zip(names, alive, strict=True) if part()]
     assert left == []
-    assert {"Harness", "StateEstimator", "MeshcatView", "RecordListener"} <= {*names}
+    assert {"Gantry", "StateEstimator", "MeshcatView", "RecordListener"} <= {*names}
     for name, count in threads_and_files().items():
         assert count <= before[name], name  # Of another test's, some may go as well.
     with socket.socket() as free:
@@ -74,5 +74,29 @@ def test_every_system_of_this_package_can_be_freed():
     ]
     assert ours == [CollectableSystem]
     assert len(CollectableSystem.__subclasses__()) > 15
-    with pytest.raises(TypeError, match="__slots__"):
-        type("Forgetful", (CollectableSystem,), {})
+
+
+def test_a_system_is_freed_with_the_callbacks_that_drake_holds():
+    class Counter(CollectableSystem):
+        def __init__(self):
+            super().__init__()
+            self.itself = self
+            self.declare_vector_output("size", 1, lambda _context: [len(self.name())])
+            self.cached = self.declare_cached("cached", lambda _context: self.name())
+            self.scratch = self.declare_scratch_context(
+                lambda: CollectableSystem().CreateDefaultContext()
+            )
+
+        def name(self):
+            return type(self).__name__
+
+    def used():
+        system = Counter()
+        context = system.CreateDefaultContext()
+        assert system.GetOutputPort("size").Eval(context) == [7.0]
+        assert system.cached.Eval(context) == "Counter"
+        return weakref.ref(system)
+
+    alive = used()
+    gc.collect()
+    assert alive() is None

@@ -1,4 +1,4 @@
-"""Falls, resets and the harness: the beginning of a run, and its continuation."""
+"""Falls, resets and the gantry: the beginning of a run, and its continuation."""
 
 import numpy as np
 import pytest
@@ -164,17 +164,17 @@ def test_a_reset_that_cannot_be_done_changes_nothing(sim):
         sim.reset("WALK")
     with pytest.raises(ScenarioError, match=r"pose.position: is \[1.0\]"):
         sim.reset(pose=Start(position=[1.0]))
-    with pytest.raises(ScenarioError, match="needs a scenario that began in a harness"):
-        sim.reset("USER", Start(harnessed=True))
-    with pytest.raises(ScenarioError, match="there is no harness to release"):
+    with pytest.raises(ScenarioError, match="needs a scenario that began on a gantry"):
+        sim.reset("USER", Start(on_gantry=True))
+    with pytest.raises(ScenarioError, match="there is no gantry to release"):
         sim.release()
     np.testing.assert_array_equal(sim.output("state"), before)
 
 
 @pytest.mark.slow
-def test_a_harnessed_robot_hangs_until_it_is_released_and_then_stands():
+def test_a_robot_on_the_gantry_hangs_until_it_is_released_and_then_stands():
     sim = AtlasSimulation(
-        Scenario(initial_behavior="USER", start=Start(harnessed=True))
+        Scenario(initial_behavior="USER", start=Start(on_gantry=True))
     )
     begin = sim.pelvis_pose.translation()
     sim.advance(2.0)
@@ -183,7 +183,7 @@ def test_a_harnessed_robot_hangs_until_it_is_released_and_then_stands():
     assert not sim.has_fallen
     sim.release()
     sim.advance(2.5)
-    # The harness is off, and the feet carry the robot.
+    # The gantry is off, and the feet carry the robot.
     loads = sim.atlas_state.l_foot.force.z + sim.atlas_state.r_foot.force.z
     assert loads == pytest.approx(sim.robot.mass * 9.81, rel=0.1)
     sim.publish(asking("STAND", k_effort=[0] * 28))
@@ -193,32 +193,32 @@ def test_a_harnessed_robot_hangs_until_it_is_released_and_then_stands():
     assert sim.pelvis_pose.translation()[2] > 0.8
 
 
-def test_the_harness_releases_at_its_time_after_each_start_in_it():
-    start = Start(harnessed=True, release_time=0.05)
+def test_the_gantry_releases_at_its_time_after_each_start_in_it():
+    start = Start(on_gantry=True, release_time=0.05)
     sim = AtlasSimulation(Scenario(initial_behavior="FREEZE", start=start))
     sim.advance(0.1)
     sim.reset()
     sim.advance(0.1)
     sim.reset("STAND", Start())
     sim.advance(0.1)
-    events = [event for event in sim.events if event.kind == "harness"]
+    events = [event for event in sim.events if event.kind == "gantry"]
     assert [event.time for event in events] == pytest.approx([0.05, 0.15])
 
 
 @pytest.mark.parametrize(
     ("fields", "fault"),
     [
-        ({"start": Start(harnessed=True)}, "initial_behavior: must be USER or FREEZE"),
-        ({"start": Start(release_time=1.0)}, "needs start.harnessed: true"),
+        ({"start": Start(on_gantry=True)}, "initial_behavior: must be USER or FREEZE"),
+        ({"start": Start(release_time=1.0)}, "needs start.on_gantry: true"),
         (
             {
-                "start": Start(harnessed=True, release_time=-1.0),
+                "start": Start(on_gantry=True, release_time=-1.0),
                 "initial_behavior": "USER",
             },
             "start.release_time: is -1.0",
         ),
     ],
 )
-def test_an_invalid_harness_is_refused(fields, fault):
+def test_an_invalid_gantry_is_refused(fields, fault):
     with pytest.raises(ScenarioError, match=fault):
         AtlasSimulation(Scenario(**fields))

@@ -19,7 +19,7 @@ from atlas_drake import (
 from atlas_drake.scenario import Jitter, with_settings
 from atlas_drake.scenario.timed_message import TimedMessage
 
-HELD = Start(harnessed=True)
+HELD = Start(on_gantry=True)
 MESSAGE = {"behavior": "MANIPULATE"}
 
 
@@ -89,11 +89,11 @@ def total_mass(sim):
     [
         {"schedule": "tutorial"},
         {
-            "start": Start(harnessed=True, release_time=0.1),
+            "start": Start(on_gantry=True, release_time=0.1),
             "initial_behavior": "FREEZE",
         },
     ],
-    ids=["estimated", "harnessed"],
+    ids=["estimated", "on_gantry"],
 )
 def test_a_run_with_another_seed_is_that_of_a_new_simulation(fields):
     sim = AtlasSimulation(scenario(1, **fields))
@@ -173,7 +173,7 @@ def test_a_new_run_may_begin_elsewhere(sim):
     [
         *[({"seed": s}, ScenarioError, "seed") for s in (-1, 2**64, 1.5, "3", True)],
         ({"seed": 2, "behavior": "WALK"}, InvalidMessageError, "behavior"),
-        ({"seed": 2, "behavior": "USER", "pose": HELD}, ScenarioError, "harnessed"),
+        ({"seed": 2, "behavior": "USER", "pose": HELD}, ScenarioError, "on_gantry"),
         ({"seed": 2, "pose": Start(yaw=float("nan"))}, ScenarioError, "yaw"),
     ],
 )

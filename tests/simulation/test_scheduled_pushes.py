@@ -4,8 +4,7 @@ import pytest
 
 from atlas_drake import AtlasSimulation, PlannedPush, Scenario, ScenarioError
 from atlas_drake.scenario import load_scenario, with_settings
-from atlas_drake.systems.gait_watch import DOWN_FOR, LIFTED_FOR, FootLoad
-from atlas_drake.systems.push_source import PushState
+from atlas_drake.systems.push_source import DOWN_FOR, LIFTED_FOR, FootLoad, PushState
 
 
 def pushes(sim):

@@ -1,4 +1,4 @@
-"""Models beside the robot: contacts, states, resets, harness, estimator and noise."""
+"""Models beside the robot: contacts, states, resets, gantry, estimator and noise."""
 
 import math
 from dataclasses import replace
@@ -109,9 +109,9 @@ def throw(sim):
             "noise": "rough",
             "jitter": Jitter(mass=0.05, joints=0.02),
         },
-        {"start": Start(harnessed=True), "initial_behavior": "FREEZE"},
+        {"start": Start(on_gantry=True), "initial_behavior": "FREEZE"},
     ],
-    ids=["estimated", "harnessed"],
+    ids=["estimated", "gantry"],
 )
 def test_bodies_without_contact_leave_the_robots_motion_unchanged(fields):
     scenario = Scenario(seed=3, **fields)
@@ -240,14 +240,14 @@ def test_the_robot_begins_on_what_is_below_it(tmp_path):
     assert not sim.has_fallen
     sim.reset(pose=Start(position=[3.0, 0.0]))
     assert sim.pelvis_pose.translation()[2] == pytest.approx(flat, abs=1e-4)
-    harnessed = AtlasSimulation(
+    held = AtlasSimulation(
         Scenario(
-            start=Start(harnessed=True),
+            start=Start(on_gantry=True),
             initial_behavior="FREEZE",
             models=[model],
         )
     )
-    height = harnessed.pelvis_pose.translation()[2] - flat
+    height = held.pelvis_pose.translation()[2] - flat
     assert height == pytest.approx(0.4, abs=1e-4)
     station = make_atlas_station(world=[table(0.3)])
     plant = station.GetSubsystemByName("plant")

@@ -9,7 +9,6 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     AtlasState,
-    Behavior,
     Imu,
 )
 from atlas_drake.messages.commands import Sent
@@ -17,16 +16,11 @@ from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCom
 
 PERIOD = 0.01
 """Of the looks at the clock [s]."""
-
-ATLAS, SIM = "atlas_command", "atlas_sim_interface_command"
+STAND = AtlasSimInterfaceCommand(behavior="STAND")
 
 
 def joint_command(effort):
     return AtlasCommand(effort=[effort])
-
-
-def behavior_command(behavior):
-    return AtlasSimInterfaceCommand(behavior=behavior)
 
 
 class Run:
@@ -39,71 +33,54 @@ class Run:
         self.simulator = Simulator(self.system)
         self.feed(AtlasSimInterfaceState())
 
-    def put(self, port, value):
+    def feed(self, report):
         context = self.simulator.get_mutable_context()
-        self.system.GetInputPort(port).FixValue(context, value)
+        for name, value in (
+            ("atlas_state", AtlasState()),
+            ("atlas_sim_interface_state", report),
+            ("imu", Imu()),
+        ):
+            self.system.GetInputPort(name).FixValue(context, value)
 
-    def feed(self, state):
-        self.put("atlas_state", AtlasState())
-        self.put("atlas_sim_interface_state", state)
-        self.put("imu", Imu())
-
-    def to(self, time):
+    def at(self, time):
+        """Number of sent entries, joint and behavior command on the ports then."""
         self.simulator.AdvanceTo(time)
-
-    def out(self, port):
-        """Value of a port; of a command, the message that was sent."""
-        value = self.system.GetOutputPort(port).Eval(self.simulator.get_context())
-        return value.message if isinstance(value, Sent) else value
+        context = self.simulator.get_context()
+        values = [
+            self.system.GetOutputPort(name).Eval(context)
+            for name in ("sent", "atlas_command", "atlas_sim_interface_command")
+        ]
+        return tuple(v.message if isinstance(v, Sent) else v for v in values)
 
 
 def test_entries_are_sent_on_time_and_in_the_order_of_their_times():
-    run = Run(
-        (0.3, joint_command(3.0)),
-        (0.1, joint_command(1.0)),
-        (0.2, behavior_command(Behavior.STAND)),
-    )
-    run.to(0.095)
-    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (0, NOTHING, NOTHING)
-    run.to(0.105)
-    assert (run.out("sent"), run.out(ATLAS)) == (1, joint_command(1.0))
-    assert run.out(SIM) is NOTHING
-    run.to(0.205)
-    assert run.out("sent") == 2
+    first, second = joint_command(1.0), joint_command(3.0)
+    run = Run((0.3, second), (0.1, first), (0.2, STAND), (0.25, None, "Look!"))
+    assert run.at(0.095) == (0, NOTHING, NOTHING)
+    assert run.at(0.105) == (1, first, NOTHING)
     # What was sent stays on its port.
-    assert run.out(ATLAS) == joint_command(1.0)
-    assert run.out(SIM) == behavior_command(Behavior.STAND)
-    run.to(0.305)
-    assert (run.out("sent"), run.out(ATLAS)) == (3, joint_command(3.0))
-    message = run.out(ATLAS)
-    run.to(1.0)
-    assert run.out("sent") == 3
+    assert run.at(0.205) == (2, first, STAND)
+    assert run.at(0.255) == (3, first, STAND)
+    first.effort = [9.0]  # It was sent as a copy.
+    assert run.at(0.305)[:2] == (4, second)
+    message = run.at(0.4)[1]
     # The same object: the command interface takes it for one message.
-    assert run.out(ATLAS) is message
+    assert run.at(1.0)[1] is message
 
 
 def test_times_that_are_sums_of_rounded_periods_are_not_a_tick_late():
     run = Run(*((PERIOD * k, joint_command(float(k))) for k in range(1, 60)))
     for k in range(1, 60):
-        run.to(PERIOD * k + 0.5 * PERIOD)
-        assert run.out(ATLAS) == joint_command(float(k))
+        assert run.at(PERIOD * k + 0.5 * PERIOD)[1] == joint_command(float(k))
 
 
 def test_several_entries_at_one_time_are_all_sent_one_in_each_tick():
-    run = Run(
-        (0.05, joint_command(1.0)),
-        (0.05, joint_command(2.0)),
-        (0.05, behavior_command(Behavior.FREEZE)),
-    )
-    ports = []
-    for tick in range(3):
-        run.to(0.05 + (tick + 0.5) * PERIOD)
-        ports.append((run.out("sent"), run.out(ATLAS), run.out(SIM)))
-    freeze = behavior_command(Behavior.FREEZE)
-    assert ports == [
-        (1, joint_command(1.0), NOTHING),
-        (2, joint_command(2.0), NOTHING),
-        (3, joint_command(2.0), freeze),
+    commands = [joint_command(1.0), joint_command(2.0), STAND]
+    run = Run(*((0.05, command) for command in commands))
+    assert [run.at(0.05 + (tick + 0.5) * PERIOD) for tick in range(3)] == [
+        (1, commands[0], NOTHING),
+        (2, commands[1], NOTHING),
+        (3, commands[1], STAND),
     ]
 
 
@@ -116,25 +93,9 @@ def test_a_function_sees_the_feedback_of_the_moment_of_sending():
 
     run = Run((0.1, reply), (0.2, reply))
     for time, x in ((0.095, 1.0), (0.155, 2.0)):
-        run.to(time)
-        state = AtlasSimInterfaceState()
-        state.pos_est.position.x = x
-        run.feed(state)
-        run.to(time + 0.05)
-        assert run.out(ATLAS) == joint_command(x)
+        run.at(time)
+        report = AtlasSimInterfaceState()
+        report.pos_est.position.x = x
+        run.feed(report)
+        assert run.at(time + 0.05)[1] == joint_command(x)
     assert times == pytest.approx([0.1, 0.2])
-
-
-def test_a_text_without_command_is_counted_and_sends_nothing():
-    run = Run((0.1, None, "Look!"))
-    run.to(0.2)
-    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (1, NOTHING, NOTHING)
-
-
-def test_a_sent_command_is_a_copy():
-    message = joint_command(1.0)
-    run = Run((0.1, message))
-    run.to(0.15)
-    message.effort = [2.0]
-    run.to(0.25)
-    assert run.out(ATLAS) == joint_command(1.0)

@@ -20,8 +20,11 @@ from atlas_drake import AtlasSimulation, Scenario, SimulationError
 from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.scenario import with_settings
 from atlas_drake.scenario.physics import plant_config
-from atlas_drake.systems.contact_forces import contact_forces
-from atlas_drake.systems.robot_sensors import contact_wrenches, shapes_of
+from atlas_drake.systems.contact_forces import (
+    contact_forces,
+    contact_wrenches,
+    shapes_of,
+)
 
 HERON = Path(__file__).parents[1] / "robots/heron"
 

@@ -7,8 +7,9 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import PlannedPush, Scenario
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.station_reset import reset_station
-from atlas_drake.messages import Behavior
-from atlas_drake.systems.push_source import Push
+from atlas_drake.messages import AtlasBehaviorWalkFeedback, Behavior
+from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.systems.push_source import Push, time_to_touchdown
 
 PERIOD = 0.009
 PUSH = PlannedPush(time=0.02, impulse=8.0, duration=0.025, frame="world")
@@ -33,6 +34,15 @@ def test_a_period_gets_the_mean_force_of_a_push():
     assert means == pytest.approx([0.0, 60.0, 40.0, 0.0], abs=1e-9)
 
 
+@pytest.mark.parametrize(("left", "expected"), [(0.3, 0.3), (-0.1, 0.0)])
+def test_pushes_read_the_time_to_touchdown_from_any_feedback_that_has_it(
+    left, expected
+):
+    status = ControllerStatus(feedback=AtlasBehaviorWalkFeedback(t_step_rem=left))
+    assert time_to_touchdown(status) == expected
+    assert time_to_touchdown(ControllerStatus()) == 0.0
+
+
 def test_a_push_between_ticks_gives_its_whole_impulse(station):
     simulator = Simulator(station)
     source = station.GetSubsystemByName("push_source")
@@ -47,27 +57,19 @@ def test_a_push_between_ticks_gives_its_whole_impulse(station):
     assert given == pytest.approx(2.0 * 0.03, abs=1e-4)
 
 
-def test_between_ticks_a_push_is_not_computed_anew(station):
+def test_a_push_is_computed_once_a_tick_and_a_reset_ends_it_but_not_the_plan(station):
     simulator = Simulator(station)
+    root = simulator.get_mutable_context()
+    simulator.AdvanceTo(0.005)
+    reset_station(station, root, Behavior.USER)
+    simulator.Initialize()
     simulator.AdvanceTo(0.0305)
-    root = simulator.get_context()
     source = station.GetSubsystemByName("push_source")
     own = source.GetMyContextFromRoot(root)
     entry = source.GetOutputPort("applied_spatial_force").cache_entry()
     assert forces(station, root) == pytest.approx([320.0])
-    assert not entry.is_out_of_date(own)
     simulator.AdvanceTo(0.0345)
     assert not entry.is_out_of_date(own)
-
-
-def test_a_reset_ends_the_pushes_and_keeps_the_plan(station):
-    simulator = Simulator(station)
-    simulator.AdvanceTo(0.005)
-    root = simulator.get_mutable_context()
-    reset_station(station, root, Behavior.USER)
-    simulator.Initialize()
-    simulator.AdvanceTo(0.0305)
-    assert forces(station, root) == pytest.approx([320.0])
     reset_station(station, root, Behavior.USER)
     assert forces(station, root) == []
     simulator.Initialize()

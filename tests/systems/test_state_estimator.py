@@ -6,9 +6,8 @@ from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.control.estimation.attitude import rotation_matrix, turned
-from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.scenario import Start
-from atlas_drake.systems.estimation_error import error_sizes
+from atlas_drake.systems.run_statistics import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
 
 TICK = Scenario().resolved().control_period
@@ -16,86 +15,66 @@ TICK = Scenario().resolved().control_period
 ESTIMATED = Scenario(state="estimated", noise="rough", seed=4)
 
 
-def names(station):
-    return {system.get_name() for system in station.GetSystems()}
+class Alone:
+    """An estimator without a diagram, and the context that feeds it."""
+
+    def __init__(self, robot, state):
+        self.system = StateEstimator(robot, TICK)
+        self.context = self.system.CreateDefaultContext()
+        inertial = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.81 * TICK]
+        self.feed(measured_state=state, start_state=state, inertial=inertial)
+        self.feed(foot_loads=np.full(2, 0.5 * robot.mass * 9.81))
+
+    def feed(self, **inputs):
+        for name, value in inputs.items():
+            self.system.GetInputPort(name).FixValue(self.context, value)
+
+    @property
+    def estimate(self):
+        return self.system.GetOutputPort("estimated_state").Eval(self.context)
 
 
-def test_a_station_on_the_true_state_has_no_estimator(robot):
-    plain = make_atlas_station(robot)
-    estimated = make_atlas_station(robot, Scenario(state="estimated"))
-    more = {"inertial_sensor", "state_estimator", "estimation_error"}
-    assert names(estimated) - names(plain) == more
-    assert not plain.HasOutputPort("estimation_error")
+@pytest.fixture(scope="module")
+def state():
+    return AtlasSimulation().output("state")
 
 
 @pytest.fixture
-def alone(robot):
-    """An estimator without a diagram, and the context that feeds it."""
-    estimator = StateEstimator(robot, TICK)
-    context = estimator.CreateDefaultContext()
-    sim = AtlasSimulation()
-    state = sim.output("state")
-    weight = robot.mass * 9.81
-    feed = {
-        "measured_state": state,
-        "start_state": state,
-        "inertial": np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.81 * TICK]),
-        "foot_loads": np.full(2, 0.5 * weight),
-    }
-    for name, value in feed.items():
-        estimator.GetInputPort(name).FixValue(context, value)
-    return estimator, context, state
+def alone(robot, state):
+    return Alone(robot, state)
 
 
-def test_the_start_state_is_read_at_the_first_tick_only(alone, robot):
-    estimator, context, state = alone
-    port = estimator.GetOutputPort("estimated_state")
-    np.testing.assert_allclose(port.Eval(context), state, atol=1e-12)
-    simulator = Simulator(estimator, context)
+def test_the_start_state_is_read_at_the_first_tick_only(alone, robot, state):
+    np.testing.assert_allclose(alone.estimate, state, atol=1e-12)
+    simulator = Simulator(alone.system, alone.context)
     simulator.AdvanceTo(TICK)
     # From now on nothing is read that a robot cannot measure.
     nonsense = np.full(state.shape, np.nan)
-    estimator.GetInputPort("start_state").FixValue(context, nonsense)
-    joints_only = nonsense.copy()
-    measured = robot.indices(estimator._plant)
-    joints_only[measured.q] = state[measured.q]
-    offset = estimator._plant.num_positions()
-    joints_only[offset + measured.v] = state[offset + measured.v]
-    estimator.GetInputPort("measured_state").FixValue(context, joints_only)
+    joints_only, indices = nonsense.copy(), robot.indices(robot.plant)
+    velocities = robot.plant.num_positions() + indices.v
+    for joints in (indices.q, velocities):
+        joints_only[joints] = state[joints]
+    alone.feed(start_state=nonsense, measured_state=joints_only)
     simulator.AdvanceTo(25 * TICK)
-    np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
+    np.testing.assert_allclose(alone.estimate, state, atol=1e-6)
 
 
-def test_the_estimate_starts_with_the_robots_velocity(alone):
-    estimator, context, state = alone
+def test_a_moving_robot_is_read_from_its_start_and_its_legs(alone, robot, state):
+    # Everything moves, the pelvis too, whose own velocity no leg can tell.
     moving = state + np.random.default_rng(6).uniform(-0.5, 0.5, state.shape)
     moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
-    pelvis = estimator._pelvis
-    turning = rotation_matrix(moving[:4]).T @ moving[pelvis.angular_velocity]
-    for name, value in (
-        ("measured_state", moving),
-        ("start_state", moving),
-        ("inertial", np.append(turning, np.zeros(6))),
-    ):
-        estimator.GetInputPort(name).FixValue(context, value)
-    estimate = estimator.GetOutputPort("estimated_state").Eval(context)
-    np.testing.assert_allclose(estimate, moving, atol=1e-9)
-
-
-def test_leg_kinematics_equal_those_in_the_world(alone):
-    # Everything moves, the pelvis too, whose own velocity no leg can tell.
-    estimator, context, state = alone
-    plant = estimator._plant
-    random = np.random.default_rng(5)
-    moving = state + random.uniform(-0.5, 0.5, state.shape)
-    moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
-    estimator.GetInputPort("measured_state").FixValue(context, moving)
+    plant = robot.plant
+    pelvis = robot.indices(plant).pelvis
+    R_WP = rotation_matrix(moving[:4])
+    turning = R_WP.T @ moving[pelvis.angular_velocity]
+    alone.feed(measured_state=moving, start_state=moving)
+    alone.feed(inertial=np.append(turning, np.zeros(6)))
+    np.testing.assert_allclose(alone.estimate, moving, atol=1e-9)
     truth = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(truth, moving)
-    R_WP = rotation_matrix(moving[:4])
     imu = plant.GetFrameByName("imu")
     p_WI, V_WI = imu.CalcPoseInWorld(truth), imu.CalcSpatialVelocityInWorld(truth)
-    positions, velocities = estimator._legs(context, R_WP.T @ V_WI.rotational())
+    positions, velocities = alone.system.legs(alone.context, turning)
     for foot, name in enumerate(("l_sole", "r_sole")):
         sole = plant.GetFrameByName(name)
         p_IF = sole.CalcPoseInWorld(truth).translation() - p_WI.translation()
@@ -105,26 +84,22 @@ def test_leg_kinematics_equal_those_in_the_world(alone):
         np.testing.assert_allclose(R_WP @ velocities[foot], v_IF, atol=1e-12)
 
 
-def test_only_a_loaded_foot_corrects_the_position(alone, robot):
-    estimator, context, state = alone
-    plant = estimator._plant
+def test_only_a_loaded_foot_corrects_the_position(alone, robot, state):
     # The right knee bends: either its foot moves, or the robot.
     bent = state.copy()
-    bent[robot.indices(plant).q[robot.joint_names.index("r_leg_kny")]] += 0.05
-    weight = robot.mass * 9.81
+    knee = robot.joint_index("r_leg_kny")
+    bent[robot.indices(robot.plant).q[knee]] += 0.05
     found = []
     for right in (0.0, 0.02, 0.5):
-        loads = weight * np.array([1.0 - right, right])
-        estimator.reset(context)
-        estimator.GetInputPort("measured_state").FixValue(context, state)
-        context.SetTime(0.0)
-        simulator = Simulator(estimator, context)
+        alone.system.reset(alone.context)
+        alone.context.SetTime(0.0)
+        alone.feed(measured_state=state)
+        simulator = Simulator(alone.system, alone.context)
         simulator.AdvanceTo(TICK)
-        estimator.GetInputPort("foot_loads").FixValue(context, loads)
-        estimator.GetInputPort("measured_state").FixValue(context, bent)
+        loads = robot.mass * 9.81 * np.array([1.0 - right, right])
+        alone.feed(foot_loads=loads, measured_state=bent)
         simulator.AdvanceTo(2 * TICK)
-        estimate = estimator.GetOutputPort("estimated_state").Eval(context)
-        found.append(estimate[4:7] - state[4:7])
+        found.append(alone.estimate[4:7] - state[4:7])
     unloaded, touching, carrying = found
     np.testing.assert_array_equal(touching, unloaded)
     assert np.linalg.norm(carrying - unloaded) > 1e-6
@@ -154,12 +129,12 @@ def test_at_one_instant_there_is_one_estimate(running):
     np.testing.assert_array_equal(port.Eval(context)[:7], before[:7])
 
 
-def test_the_reported_positions_are_the_estimate(running):
-    estimate = running.output("estimated_state")
+def test_the_reports_are_of_the_estimate_and_its_error(running):
+    true, estimate = running.output("state"), running.output("estimated_state")
     report = running.atlas_sim_interface_state
     position = report.pos_est.position.to_array()
     np.testing.assert_array_equal(position, estimate[4:7])
-    assert 1e-6 < np.linalg.norm(position - running.pelvis_pose.translation()) < 5e-3
+    assert 1e-6 < np.linalg.norm(position - true[4:7]) < 5e-3
     plant = running.plant
     context = plant.CreateDefaultContext()
     plant.SetPositionsAndVelocities(context, estimate)
@@ -168,10 +143,6 @@ def test_the_reported_positions_are_the_estimate(running):
         np.testing.assert_allclose(
             pose.position.to_array(), sole.translation(), atol=1e-12
         )
-
-
-def test_the_error_is_that_between_estimate_and_truth(running):
-    true, estimate = running.output("state"), running.output("estimated_state")
     error = running.output("estimation_error")
     np.testing.assert_allclose(error[:3], (estimate - true)[4:7], atol=1e-15)
     velocities = running.plant.num_positions() + np.arange(3, 6)
@@ -186,6 +157,19 @@ def test_the_error_is_that_between_estimate_and_truth(running):
     for name, value in drift["largest"].items():
         assert 0.0 < value < 0.02
         assert value >= 0.9 * drift["final"][name]
+
+
+def test_a_reset_of_the_simulation_puts_the_estimate_where_the_robot_is():
+    sim = AtlasSimulation(ESTIMATED)
+    sim.advance(0.05)
+    sim.reset(pose=Start(position=[2.0, -1.0], yaw=0.5))
+    assert error_sizes(sim.output("estimation_error")).max() < 1e-4
+    sim.advance(0.1)
+    assert error_sizes(sim.output("estimation_error")).max() < 0.02
+    position = sim.atlas_sim_interface_state.pos_est.position
+    assert [position.x, position.y] == pytest.approx([2.0, -1.0], abs=0.05)
+    # Nothing that was felt on the way counts as an error.
+    assert sim.summary()["estimator_drift"]["largest"]["position_m"] < 0.01
 
 
 @pytest.mark.slow
@@ -204,20 +188,3 @@ def test_the_imu_integrates_to_the_motion_and_has_the_bias_of_its_message():
     # Hardly moving, both feel gravity and the same bias.
     np.testing.assert_allclose(mean, np.mean(biased, axis=0), atol=0.01)
     assert np.linalg.norm(mean) != pytest.approx(9.81, abs=0.01)
-
-
-def test_a_reset_of_the_simulation_puts_the_estimate_where_the_robot_is():
-    sim = AtlasSimulation(ESTIMATED)
-    sim.advance(0.05)
-    sim.reset(pose=Start(position=[2.0, -1.0], yaw=0.5))
-    assert error_sizes(sim.output("estimation_error")).max() < 1e-4
-    sim.advance(0.3)
-    assert error_sizes(sim.output("estimation_error")).max() < 0.02
-    position = sim.atlas_sim_interface_state.pos_est.position
-    assert [position.x, position.y] == pytest.approx([2.0, -1.0], abs=0.05)
-    # Nothing that was felt on the way counts as an error.
-    assert sim.summary()["estimator_drift"]["largest"]["position_m"] < 0.01
-
-
-def test_a_run_on_the_true_state_reports_no_drift():
-    assert "estimator_drift" not in AtlasSimulation().summary()

@@ -9,11 +9,10 @@ from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import AtlasCommand, Behavior, accept
 from atlas_drake.messages.commands import commands_at_start, receive
 from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus
-from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import READ_WITHIN, append_recent
+from atlas_drake.messages.event import READ_WITHIN, Event, append_recent
 from atlas_drake.robot import load_robot
 from atlas_drake.systems.fall_monitor import Fall
-from atlas_drake.systems.harness import HarnessState
+from atlas_drake.systems.gantry import GantryState
 from atlas_drake.systems.push_source import Push, PushState
 from atlas_drake.systems.tick_events import NO_MARKS, events_between, marks_at
 
@@ -37,12 +36,12 @@ class Run:
         self.happened = []
         """Time and kind of all events so far."""
         self.commands, self.pushes, self.fall = START, PushState(), NOTHING
-        self.status, self.harness = ControllerStatus(), HarnessState(released=released)
+        self.status, self.gantry = ControllerStatus(), GantryState(released=released)
 
     def go_on(self, kinds):
         before, self.time = self.time, self.time + PERIOD
-        if before < (self.harness.released or 0.0) <= self.time:
-            self.happened.append((self.harness.released, "harness"))
+        if before < (self.gantry.released or 0.0) <= self.time:
+            self.happened.append((self.gantry.released, "gantry"))
         for kind in kinds:
             if kind == "fall" and self.fall is not NOTHING:
                 continue
@@ -75,7 +74,7 @@ class Run:
             self.commands,
             self.pushes,
             self.fall,
-            self.harness,
+            self.gantry,
         )
 
     def between(self, before, after):
@@ -133,7 +132,7 @@ def test_a_reader_ahead_of_the_run_gets_nothing():
 
 
 @pytest.mark.parametrize("released", [None, 1.0])
-def test_a_harness_that_still_holds_is_no_event(released):
+def test_a_gantry_that_still_holds_is_no_event(released):
     run = Run(released)
     run.go_on([])
     assert run.between(NO_MARKS, run.marks()) == []

@@ -1,8 +1,8 @@
-"""A harness that carries the pelvis until it is released, as a crane carries a robot.
+"""A gantry that carries the pelvis until it is released, as a crane carries a robot.
 
-The harness applies the forces of springs and dampers; nothing is welded and no position
+The gantry applies the forces of springs and dampers; nothing is welded and no position
 is set. The dampers are integrated implicitly, see ``implicit_pull``. A station has a
-harness only if the scenario requests it.
+gantry only if the scenario requests it.
 """
 
 from collections.abc import Sequence
@@ -20,29 +20,22 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_error
-from atlas_drake.scenario.scenario import HarnessGains
+from atlas_drake.scenario.scenario import GantryGains
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 @dataclass(frozen=True)
-class HarnessState(Frozen):
-    """State of the harness.
+class GantryState(Frozen):
+    """Pose in which the pelvis is held; None for a slack gantry."""
 
-    Attributes:
-        p_WH: Position at which the pelvis is held [m]; None for a slack harness.
-        R_WH: Orientation in which the pelvis is held; None for a slack harness.
-        drop: Distance by which the robot is lowered until its feet can stand [m].
-        released: Time of release [s], which may be in the future; None if unknown.
-    """
-
-    p_WH: np.ndarray | None = None
+    p_WH: np.ndarray | None = None  # [m], shape (3,).
     R_WH: np.ndarray | None = None
-    drop: float = 0.0
-    released: float | None = None
+    drop: float = 0.0  # By which the robot is lowered until its feet can stand [m].
+    released: float | None = None  # Time of release [s], which may be in the future.
 
 
-class Harness(CollectableSystem):
-    """State and external forces in, external forces with that of the harness out.
+class Gantry(CollectableSystem):
+    """State and external forces in, external forces with that of the gantry out.
 
     Input ports:
         state: Positions and velocities of the robot.
@@ -52,18 +45,16 @@ class Harness(CollectableSystem):
 
     Output ports:
         applied_spatial_force: The list of ``other_spatial_force`` with the force of the
-            harness on the pelvis.
-        harness: ``HarnessState``.
+            gantry on the pelvis.
+        gantry: ``GantryState``.
     """
 
-    __slots__ = ()
-
     def __init__(
-        self, robot: Robot, plant: MultibodyPlant, gains: HarnessGains | None = None
+        self, robot: Robot, plant: MultibodyPlant, gains: GantryGains | None = None
     ):
         """Holds ``robot`` in ``plant``, a discrete one."""
         super().__init__()
-        self._gains = gains or HarnessGains()
+        self._gains = gains or GantryGains()
         self._mass = robot.mass
         # Untyped, because pydrake's stubs misname the type of every array.
         self._plant: Any = plant
@@ -90,11 +81,11 @@ class Harness(CollectableSystem):
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
-        self._memory = self.DeclareAbstractState(AbstractValue.Make(HarnessState()))
+        self._state = self.DeclareAbstractState(AbstractValue.Make(GantryState()))
         self.DeclareAbstractOutputPort(
             "applied_spatial_force", no_forces.Clone, self._calc_forces
         )
-        self.DeclareStateOutputPort("harness", self._memory)
+        self.DeclareStateOutputPort("gantry", self._state)
 
     def hold(
         self,
@@ -104,34 +95,25 @@ class Harness(CollectableSystem):
         drop: float,
         released: float | None = None,
     ) -> None:
-        """Holds the pelvis from now on.
-
-        Args:
-            context: Context of this system.
-            p_WH: Position of the pelvis in W [m], shape (3,).
-            R_WH: Orientation of the pelvis in W, shape (3, 3).
-            drop: Height of that position above the standing height [m].
-            released: Time of release [s]; None waits for ``release``.
-        """
-        held = HarnessState(p_WH.copy(), R_WH.copy(), drop, released)
-        self._remember(context, held)
+        """Holds the pelvis from now on, see ``GantryState``."""
+        self._set(context, GantryState(p_WH.copy(), R_WH.copy(), drop, released))
 
     def release(self, context: Context) -> None:
-        """Lowers the robot and then unloads the harness; no effect if it is slack."""
+        """Lowers the robot and then unloads the gantry; no effect if it is slack."""
         state, now = self.state(context), context.get_time()
         if state.p_WH is not None and (state.released is None or state.released > now):
-            self._remember(context, replace(state, released=now))
+            self._set(context, replace(state, released=now))
 
     def let_go(self, context: Context) -> None:
-        """Makes the harness slack from now on."""
-        self._remember(context, HarnessState())
+        """Makes the gantry slack from now on."""
+        self._set(context, GantryState())
 
-    def state(self, context: Context) -> HarnessState:
-        """Returns the state of the harness."""
-        return context.get_abstract_state(self._memory).get_value()
+    def state(self, context: Context) -> GantryState:
+        """Returns the state of the gantry."""
+        return context.get_abstract_state(self._state).get_value()
 
-    def _remember(self, context: Context, state: HarnessState) -> None:
-        context.get_mutable_abstract_state(self._memory).set_value(state)
+    def _set(self, context: Context, state: GantryState) -> None:
+        context.get_mutable_abstract_state(self._state).set_value(state)
 
     def _calc_forces(self, context: Context, output: AbstractValue) -> None:
         forces = self._others.Eval(context) if self._others.HasValue(context) else []
@@ -141,7 +123,7 @@ class Harness(CollectableSystem):
     def _pull(
         self, context: Context, others: Sequence[ExternallyAppliedSpatialForce]
     ) -> ExternallyAppliedSpatialForce | None:
-        """Computes the force of the harness on the pelvis; None if it is slack."""
+        """Computes the force of the gantry on the pelvis; None if it is slack."""
         state, gains = self.state(context), self._gains
         if state.p_WH is None or state.R_WH is None:
             return None
@@ -188,14 +170,9 @@ class Harness(CollectableSystem):
         scratch: Context,
         others: Sequence[ExternallyAppliedSpatialForce],
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes the pelvis' acceleration without the harness, and its compliance.
+        """Computes the pelvis' acceleration without the gantry, and its compliance.
 
         Contact forces are those of the last control tick; joint friction is neglected.
-
-        Args:
-            context: Context of this system.
-            scratch: Context of the plant, at the present state.
-            others: Other external forces.
 
         Returns:
             Spatial acceleration in W [rad/s²; m/s²], shape (6,), and accelerations per
@@ -250,7 +227,7 @@ def implicit_pull(
         response: h·Λ, change of velocity per force, shape (6, 6).
 
     Returns:
-        F, the force of the harness [N·m; N], shape (6,).
+        F, the force of the gantry [N·m; N], shape (6,).
     """
     return np.linalg.solve(
         np.eye(6) + damping[:, None] * response, static - damping * free

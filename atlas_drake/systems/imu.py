@@ -1,25 +1,94 @@
-"""The IMU for a state estimator: its increments since the last control tick.
+"""The IMU on the pelvis: values of an instant, and increments for an estimator."""
 
-A station has this sensor only with an estimator; ``robot_sensors`` makes the ``Imu``
-message with the values of an instant.
-"""
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
+from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import (
+    composed,
     rotation_matrix,
     turn_between,
     turned,
 )
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import cross
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.noisy_system import NoisySystem
+from atlas_drake.systems.collectable_system import CollectableSystem
 
+_UPWARD = np.array([0.0, 0.0, GRAVITY])
+"""Specific force of a body at rest, in W [m/s²]."""
 _UNSET = -1.0
 """Time of the last tick before the first tick."""
+_AT_START = np.array([_UNSET, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+class NoisySystem(CollectableSystem):
+    """A system that adds noise, a parameter in its Context, to its measurements."""
+
+    def declare_noise(self, noise: SensorNoise) -> None:
+        """Declares the parameter, with the noise of the default context."""
+        self._noise_index = self.DeclareAbstractParameter(AbstractValue.Make(noise))
+
+    def set_seed(self, context: Context, seed: int) -> None:
+        """Draws the noise from another seed, 0 to 2**64 - 1, from now on."""
+        parameter: Any = context.get_mutable_abstract_parameter(self._noise_index)
+        parameter.set_value(self.noise(context).with_seed(seed))
+
+    def noise(self, context: Context) -> SensorNoise:
+        """Returns the noise in force."""
+        parameter: Any = context.get_abstract_parameter(self._noise_index)
+        return parameter.get_value()
+
+
+class ImuModel:
+    """The IMU of a robot in a plant. It has no state."""
+
+    def __init__(self, robot: Robot, plant: MultibodyPlant) -> None:
+        """Takes the place of the IMU on the pelvis."""
+        own = robot.instance(plant)
+        X_PI = plant.GetFrameByName(robot.file.imu_frame, own).GetFixedPoseInBodyFrame()
+        self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
+        self.R_PI = X_PI.rotation().matrix()
+        self._p_PI_I = self.R_PI.T @ X_PI.translation()
+        indices = robot.indices(plant)
+        self._orientation = indices.pelvis.orientation
+        self._base = indices.generalized[:6]
+        self.w = plant.num_positions(own) + self._base[:3]
+
+    def measure(
+        self,
+        state: np.ndarray,
+        acceleration: np.ndarray,
+        noise: SensorNoise,
+        time: float,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Computes a measurement from true state and generalized accelerations.
+
+        Returns:
+            Orientation of the IMU in W as a quaternion with w first, angular velocity
+            [rad/s] and specific force [m/s²] in the IMU's frame.
+        """
+        w_WP = state.take(self.w)
+        base = acceleration.take(self._base)
+        alpha_WP, a_WP = base[:3], base[3:]
+        # Of unit length; the plant's quaternion drifts from that by some 1e-4.
+        q_WI = composed(state[self._orientation], self._q_PI)
+        R_WI = rotation_matrix(q_WI)
+        p_PI_W = R_WI @ self._p_PI_I
+        a_WI = a_WP + cross(alpha_WP, p_PI_W) + cross(w_WP, cross(w_WP, p_PI_W))
+        rate = R_WI.T @ w_WP
+        force = R_WI.T @ (a_WI + _UPWARD)
+        if not noise.silent:
+            sample = noise.sample(time)
+            rate = rate + sample.angular_velocity
+            force = force + sample.specific_force
+        return q_WI, rate, force
 
 
 class InertialSensor(NoisySystem):
@@ -28,7 +97,8 @@ class InertialSensor(NoisySystem):
     Like a navigation-grade inertial sensor, it integrates internally at a rate far
     above that of the control ticks. So no motion between two ticks is lost, not even an
     impact, and no acceleration is needed before the plant's step at this instant is
-    solved: the integral of acceleration is the change of velocity.
+    solved: the integral of acceleration is the change of velocity. A station has this
+    sensor only with an estimator.
 
     Input ports:
         state: Positions and velocities of the robot.
@@ -39,8 +109,6 @@ class InertialSensor(NoisySystem):
             force since the last tick [m/s], in the axes halfway. Rotation and integral
             are zero before the first tick.
     """
-
-    __slots__ = ()
 
     def __init__(
         self,
@@ -67,13 +135,13 @@ class InertialSensor(NoisySystem):
         )
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
-        self._last = self.DeclareDiscreteState(_nothing())
-        self.DeclareVectorOutputPort("inertial", 9, self._calc_inertial)
+        self._last = self.DeclareDiscreteState(_AT_START)
+        self.declare_vector_output("inertial", 9, self._increments)
         self.DeclarePeriodicDiscreteUpdateEvent(control_period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
         """Clears the last tick, after the robot was placed."""
-        context.SetDiscreteState(self._last, _nothing())
+        context.SetDiscreteState(self._last, _AT_START)
 
     def _motion(self, context: Context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Computes the pelvis' quaternion, and the IMU's angular and linear velocity.
@@ -90,7 +158,7 @@ class InertialSensor(NoisySystem):
         now = np.concatenate([[context.get_time()], q_WP, v_WI])
         discrete.get_mutable_vector(self._last).SetFromVector(now)
 
-    def _calc_inertial(self, context: Context, output: BasicVector) -> None:
+    def _increments(self, context: Context) -> np.ndarray:
         q_WP, w_WP, v_WI = self._motion(context)
         last = context.get_discrete_state(self._last).value()
         rate = rotation_matrix(q_WP).T @ w_WP
@@ -109,9 +177,4 @@ class InertialSensor(NoisySystem):
             rate = rate + gyro
             turn = turn + dt * gyro
             velocity = velocity + dt * (self._R_PI @ noise.specific_force)
-        output.SetFromVector(np.concatenate([rate, turn, velocity]))
-
-
-def _nothing() -> np.ndarray:
-    """Returns the state before the first tick, shape (8,)."""
-    return np.array([_UNSET, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        return np.concatenate([rate, turn, velocity])
