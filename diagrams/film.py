@@ -14,6 +14,7 @@ from atlas_drake.logs import Log
 from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
+from atlas_drake.visualization import FILM_SIZE
 from atlas_drake.visualization.colors import joint_colors
 from atlas_drake.visualization.film_camera import FilmCamera
 from atlas_drake.visualization.film_file import FilmFile
@@ -23,15 +24,13 @@ from atlas_drake.visualization.shapes import shapes_of
 
 RATE = 25
 """Pictures per simulated second [1/s]."""
-SIZE = (960, 540)
-"""Default width and height of the pictures [pixel]."""
 
 
 def film(
     log: Log,
     path: str | Path,
     *,
-    size: tuple[int, int] = SIZE,
+    size: tuple[int, int] = FILM_SIZE,
     show: Iterable[str] = (),
     view: View | None = None,
     world: Sequence[WorldMaker] = (),

@@ -13,7 +13,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -56,9 +56,6 @@ from atlas_drake.simulation.sinks import Sink
 from atlas_drake.simulation.snapshot import Snapshot
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
 """Simulated time between two calls of the hooks [s]."""
@@ -106,7 +103,6 @@ class AtlasSimulation:
         extend: Extend | None = None,
         view: bool | Meshcat | None = None,
         overlays: Overlays | None = None,
-        video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
     ):
@@ -121,14 +117,13 @@ class AtlasSimulation:
             behaviors: Behaviors added to those of the shipped controller, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
             world: Callables (plant) -> None that add models beside the robot before the
-                plant is finalized: a table, a ball. They are called again for a video.
+                plant is finalized: a table, a ball.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
                 ``atlas_drake.visualization.viewer``. None and False show nothing.
-            overlays: Plans of the controller that are shown there and in the video.
-            video: Attaches a video of the run; None films nothing.
+            overlays: Plans of the controller that are shown there.
             on_event: Called with each event as it is noticed.
             log: Attaches a file that records the run, see ``atlas_drake.logs``:
                 NAME.mcap.
@@ -138,14 +133,13 @@ class AtlasSimulation:
             ScenarioError: If the scenario has a value that cannot be used.
             RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
-            VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
             WorldError: If the world cannot be added, or the robot would begin inside
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
         parts = Parts(controller, behaviors, world, extend)
-        outputs = Outputs(view, overlays, video, log, on_event)
+        outputs = Outputs(view, overlays, log, on_event)
         built = build(scenario, parts, outputs)
         self.scenario, self.behaviors = built.scenario, built.behaviors
         self.meshcat, self._sinks = built.meshcat, built.sinks
@@ -174,7 +168,7 @@ class AtlasSimulation:
 
     @property
     def sinks(self) -> tuple[Sink, ...]:
-        """The attached sinks: log, video, ``on_event`` and those of ``attach``."""
+        """The attached sinks: log, ``on_event`` and those of ``attach``."""
         return tuple(self._sinks)
 
     def attach(self, sink: Sink) -> None:
@@ -455,7 +449,7 @@ class AtlasSimulation:
 
         Raises:
             ScenarioError: If a field cannot be used or needs a new simulation, or while
-                a log or a video is written, which hold one run.
+                a log is written, which holds one run.
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
@@ -472,9 +466,9 @@ class AtlasSimulation:
             self._note_begin()
 
     def _check_no_file(self, field: str, value: object) -> None:
-        """Raises ScenarioError while a log or a video is written."""
+        """Raises ScenarioError while a log is written."""
         if any(sink.path is not None for sink in self._sinks):
-            problem = "a log or a video holds one run: close() completes it"
+            problem = "a log holds one run: close() completes it"
             raise ScenarioError(field, value, problem)
 
     def snapshot(self) -> Snapshot:
@@ -504,7 +498,7 @@ class AtlasSimulation:
         Raises:
             TypeError: If ``snapshot`` is not a ``Snapshot``.
             ValueError: If it is that of another simulation.
-            ScenarioError: While a log or a video is written, which hold one run.
+            ScenarioError: While a log is written, which holds one run.
         """
         if not isinstance(snapshot, Snapshot):
             raise TypeError(

@@ -26,7 +26,7 @@ from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import listed
 from atlas_drake.simulation.outputs import Outputs
 from atlas_drake.simulation.run_diagram import RunDiagram
-from atlas_drake.simulation.sinks import FilmSink, Listener, LogSink, Sink
+from atlas_drake.simulation.sinks import Listener, LogSink, Sink
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -44,7 +44,7 @@ class Built:
         own_behaviors: Entries of the user's own behaviors.
         schedule: Commands that the scenario sends by itself.
         run: The diagram, at the begin of a run.
-        sinks: Log, video and listener, as far as they were asked for.
+        sinks: Log and listener, as far as they were asked for.
         meshcat: Meshcat of the 3D view, None without a view.
     """
 
@@ -86,7 +86,7 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        displays = _displays(robot, catalog, scenario, parts, outputs, meshcat, writer)
+        displays = _displays(robot, outputs, meshcat, writer)
         diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
         run = RunDiagram(robot, scenario, diagram, bool(world), tick_seconds)
         on_error.pop_all()
@@ -95,9 +95,6 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
         listener: Any = diagram.GetSubsystemByName("log")
         recorder: Any = run.station.GetSubsystemByName("tick_recorder")
         sinks.append(LogSink(writer, listener, recorder))
-    if outputs.video is not None:
-        film: Any = diagram.GetSubsystemByName("video")
-        sinks.append(FilmSink(outputs.video.path, film))
     if outputs.on_event is not None:
         sinks.append(Listener(outputs.on_event))
     if meshcat is not None:
@@ -109,41 +106,24 @@ def build(scenario: Scenario | None, parts: Parts, outputs: Outputs) -> Built:
 
 def _displays(
     robot: Robot,
-    catalog: BehaviorCatalog,
-    scenario: Scenario,
-    parts: Parts,
     outputs: Outputs,
     meshcat: Meshcat | None,
     writer: McapWriter | None,
 ) -> Iterator[Extend]:
-    """Yields what adds 3D view, log and video to a diagram, as far as there are any."""
-    overlays = outputs.overlays
+    """Yields what adds 3D view and log to a diagram, as far as there are any."""
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
         yield partial(
             add_meshcat_view,
             robot=robot,
-            catalog=catalog,
             meshcat=meshcat,
-            overlays=overlays,
+            overlays=outputs.overlays,
         )
     if writer is not None:
         from atlas_drake.logs.mcap_writer import add_log
 
         yield partial(add_log, writer=writer)
-    if outputs.video is not None:
-        from atlas_drake.visualization.video_display import add_video
-
-        yield partial(
-            add_video,
-            robot=robot,
-            catalog=catalog,
-            scenario=scenario,
-            video=outputs.video,
-            world=parts.world,
-            overlays=overlays,
-        )
 
 
 def _schedule(

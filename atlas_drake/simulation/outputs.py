@@ -6,16 +6,13 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydrake.geometry import Meshcat
 
 from atlas_drake.errors import shown
 from atlas_drake.messages.event import Event
 from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
 
 _RULES: dict[str, tuple[Any, str]] = {
     "view": (bool | Meshcat, "True, False or a Meshcat of pydrake.geometry{}"),
@@ -32,11 +29,10 @@ _RULES: dict[str, tuple[Any, str]] = {
 
 @dataclass(frozen=True)
 class Outputs:
-    """View, video, log and listener, as ``AtlasSimulation`` takes and explains them."""
+    """View, log and listener, as ``AtlasSimulation`` takes and explains them."""
 
     view: bool | Meshcat | None = None
     overlays: Overlays | None = None
-    video: Video | None = None
     log: str | Path | None = None
     on_event: Callable[[Event], None] | None = None
 
@@ -46,17 +42,7 @@ class Outputs:
         Raises:
             TypeError: Naming the field and a correct value.
         """
-        rules = dict(_RULES)
-        if self.video is not None:
-            # The modules for video are loaded only for a run with a video.
-            from atlas_drake.visualization.video_display import Video
-
-            rules["video"] = (
-                Video,
-                "a Video of atlas_drake.visualization.video_display{}, such as "
-                "Video('run.mp4')",
-            )
-        for name, (kind, rule) in rules.items():
+        for name, (kind, rule) in _RULES.items():
             value = getattr(self, name)
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"{name} must be {rule.format(f', is {shown(value)}')}")

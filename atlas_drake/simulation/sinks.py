@@ -1,4 +1,4 @@
-"""Sinks of an ``AtlasSimulation``: logs, videos, and listeners to its events."""
+"""Sinks of an ``AtlasSimulation``: logs, and listeners to its events."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from atlas_drake.logs.mcap_writer import McapWriter
     from atlas_drake.systems.record_reader import RecordListener
     from atlas_drake.systems.tick_recorder import TickRecorder
-    from atlas_drake.visualization.video_display import VideoDisplay
 
 
 class Sink(Protocol):
@@ -59,39 +58,6 @@ class Listener:
 
     def close(self, root: Context) -> None:
         """Does nothing: a callable has no end."""
-
-
-class FilmSink:
-    """A video that a system of the diagram makes.
-
-    Without ``close`` the file is completed when the simulation is freed or the program
-    ends.
-    """
-
-    def __init__(self, path: Path, film: VideoDisplay) -> None:
-        """Takes over ``film``, which writes ``path``."""
-        self.path = path
-        self._film: Any = film
-        self._complete = weakref.finalize(self, film.close)
-
-    @property
-    def fault(self) -> AtlasError | None:
-        """Error that ended the filming."""
-        return self._film.fault
-
-    def event(self, event: Event) -> None:
-        """Does nothing: the pictures show their state."""
-
-    def close(self, root: Context) -> Any:
-        """Completes the file.
-
-        Returns:
-            The number of pictures.
-
-        Raises:
-            VideoError: If the video cannot be written, now or earlier in the run.
-        """
-        return self._complete()
 
 
 class LogSink:

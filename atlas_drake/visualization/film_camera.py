@@ -18,10 +18,11 @@ from atlas_drake.scenario.world_file import View
 
 Vector = NDArray[np.float64]
 
-OFFSET_H: Vector = np.array([3.0, -2.2, 0.35])
+OFFSET_H: Vector = np.array([3.3, -2.4, 0.5])
 """From the target to the lens, in axes H: x is the robot's initial heading [m]."""
-TARGET_ABOVE_PELVIS: Vector = np.array([0.0, 0.0, -0.02])
-"""Height of the target: the middle of the robot's height [m]."""
+TARGET_ABOVE_PELVIS: Vector = np.array([0.0, 0.0, -0.05])
+"""Height of the target: near the middle of the robot's height, with room for the steps
+ahead [m]."""
 LAG = 0.5
 """Time constant with which the camera follows [s]: it does not sway with each step."""
 
@@ -64,12 +65,11 @@ class FilmCamera:
 
 
 def looking_at(lens: Vector, target: Vector) -> RigidTransform:
-    """Computes the pose of a camera, x right in the picture, y down and z ahead.
-
-    The target [m] must not be straight above or below the lens [m].
-    """
+    """Computes the pose of a camera, x right in the picture, y down and z ahead."""
     ahead = (target - lens) / np.linalg.norm(target - lens)
     right = np.cross(ahead, [0.0, 0.0, 1.0])
+    if np.linalg.norm(right) < 1e-6:  # Straight up or down.
+        right = np.array([0.0, -1.0, 0.0])
     right /= np.linalg.norm(right)
     axes: Any = np.column_stack([right, np.cross(ahead, right), ahead])
     p_WC: Any = lens

@@ -136,7 +136,10 @@ def _palette_filter(size: tuple[int, int], rate: int) -> Any:
     graph = av.filter.Graph()
     width, height = size
     source = graph.add_buffer(
-        width=width, height=height, format="rgb24", time_base=Fraction(1, rate)
+        width=width,
+        height=height,
+        format=av.VideoFormat("rgb24"),
+        time_base=Fraction(1, rate),
     )
     split, sink = graph.add("split"), graph.add("buffersink")
     colors = graph.add("palettegen", "stats_mode=single")

@@ -6,6 +6,7 @@ Adds ground, lamps and the shapes of a record to the SceneGraph of a replay.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,7 @@ from pydrake.systems.sensors import CameraInfo
 
 from atlas_drake.palette import Color
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.colors import GAMMA
 from atlas_drake.visualization.film_file import FilmError
 from atlas_drake.visualization.shapes import Shape
 from atlas_drake.visualization.solids import Solid, Triangles, ribbons
@@ -49,12 +51,15 @@ FIELD_OF_VIEW = 32.0
 NEAR, FAR = 0.1, 100.0
 """Near and far limit of the camera's view from its lens [m]."""
 SKY = np.array([0.84, 0.90, 0.95])
-GROUND_COLOR: Color = (0.86, 0.87, 0.88)
+GROUND_LIGHT: Color = (0.86, 0.87, 0.88)
+"""Color of the ground as a light intensity."""
+GROUND_SEEN: Color = (0.88, 0.885, 0.89)
+"""Color of the ground as it is seen, below transparent solids."""
 GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
 """Side and thickness of the ground slab [m]."""
 GRID_SIZE, GRID_SPACING, GRID_LIFT = 40.0, 0.5, 0.002
 """Side, line spacing and height above the ground of the grid [m]."""
-GRID_WIDTH, GRID_COLOR = 0.012, (0.75, 0.78, 0.81)
+GRID_WIDTH, GRID_LIGHT = 0.012, (0.75, 0.78, 0.81)
 SHADOW_MAP = 1280
 """Side of the shadow map [pixel]; without a graphics card it takes a third of the time
 of a small picture."""
@@ -65,8 +70,9 @@ FILL, FILL_INTENSITY = np.array([45.0, 3.0, 45.0]), 2.0
 """The lamp without shadow: position from the target [m]; brightness."""
 DARKEST, BRIGHTEST = 0.35, 1.25
 """Brightness of a colored link where the picture is black, and where it is white."""
-SCENE, OVER = "scene", "over"
-"""Renderers of the scene, and of the shapes that nothing hides."""
+NEARER = 0.1
+"""Factor by which shapes that nothing hides are nearer to the lens, and smaller."""
+RENDERER = "vtk"
 
 
 class FilmStage:
@@ -92,21 +98,18 @@ class FilmStage:
         """
         self._scene_graph = scene_graph
         self._source = scene_graph.RegisterSource("film")
-        self._cameras = {
-            name: ColorRenderCamera(
-                RenderCameraCore(
-                    name,
-                    CameraInfo(*size, np.radians(FIELD_OF_VIEW)),
-                    ClippingRange(NEAR, FAR),
-                    RigidTransform(),
-                )
+        self._camera = ColorRenderCamera(
+            RenderCameraCore(
+                RENDERER,
+                CameraInfo(*size, np.radians(FIELD_OF_VIEW)),
+                ClippingRange(NEAR, FAR),
+                RigidTransform(),
             )
-            for name in (SCENE, OVER)
-        }
+        )
         self._labels = _labels(scene_graph, robot)
         self._add_ground()
         try:
-            scene_graph.AddRenderer(SCENE, MakeRenderEngineVtk(_looks(X_TC)))
+            scene_graph.AddRenderer(RENDERER, MakeRenderEngineVtk(_looks(X_TC)))
         except RuntimeError as error:
             raise FilmError(f"Drake cannot draw robot and world: {error}") from error
         self._shown: dict[Any, GeometryId] = {}
@@ -128,44 +131,38 @@ class FilmStage:
             colors: Colors of the joints' links; None leaves the links their own.
             X_WC: Pose of the camera, z ahead and y down.
         """
-        self._show(context, shapes)
-        world, camera = SceneGraph.world_frame_id(), self._cameras[SCENE]
-        image = query.RenderColorImage(camera, world, X_WC)
+        self._show(context, [_placed(shape, X_WC.translation()) for shape in shapes])
+        world = SceneGraph.world_frame_id()
+        image = query.RenderColorImage(self._camera, world, X_WC)
         picture: Picture = np.array(image.data[:, :, :3])
         if colors is not None:
-            seen = query.RenderLabelImage(camera, world, X_WC).data[:, :, 0]
-            picture = self._colored(picture, colors, np.asarray(seen))
+            seen = query.RenderLabelImage(self._camera, world, X_WC)
+            self._color(picture, colors, seen.data[:, :, 0])
         return picture
 
-    def _colored(
+    def _color(
         self, picture: Picture, colors: Sequence[Color], seen: NDArray[np.int16]
-    ) -> Picture:
+    ) -> None:
         """Colors the links in their own light and shade."""
-        table = np.zeros((np.iinfo(np.int16).max + 1, 3))
-        for labels, color in zip(self._labels, colors, strict=True):
-            table[labels] = color
-        wanted = table[seen]
-        grey = picture.mean(axis=2, keepdims=True) / 255.0
-        lit = 255.0 * wanted * (DARKEST + (BRIGHTEST - DARKEST) * grey)
-        is_link = wanted.any(axis=2, keepdims=True)
-        return np.where(is_link, np.clip(lit, 0.0, 255.0), picture).astype(np.uint8)
+        numbers = np.full(np.iinfo(np.int16).max + 1, -1)
+        for number, labels in enumerate(self._labels):
+            numbers[labels] = number
+        joint = numbers[seen]
+        links = joint >= 0
+        grey = picture[links].mean(axis=1, keepdims=True) / 255.0
+        light = 255.0 * (DARKEST + (BRIGHTEST - DARKEST) * grey)
+        picture[links] = np.minimum(light * np.array(colors)[joint[links]], 255.0)
 
-    def _show(self, context: Context, shapes: Iterable[Shape]) -> None:
-        """Shows exactly these shapes."""
-        asked = {
-            (one.name, one.solid.key, one.length, one.X_WS.GetAsMatrix34().tobytes()): one
-            for one in shapes
-        }
+    def _show(self, context: Context, placed: Iterable[_Placed]) -> None:
+        """Shows exactly these shapes; those that look the same stay."""
+        asked = {one.key: one for one in placed}
         for key in self._shown.keys() - asked.keys():
             geometry = self._shown.pop(key)
             self._scene_graph.RemoveGeometry(context, self._source, geometry)
         for key in asked.keys() - self._shown.keys():
-            shape = asked[key]
-            instance = _instance(
-                _mesh(shape.solid.triangles, shape.length),
-                shape.X_WS,
-                _color(shape.solid),
-            )
+            one = asked[key]
+            mesh = _mesh(one.shape.solid.triangles, one.scale)
+            instance = _instance(mesh, one.X_WS, _light(one.shape.solid))
             self._shown[key] = self._scene_graph.RegisterGeometry(
                 context, self._source, SceneGraph.world_frame_id(), instance
             )
@@ -180,10 +177,35 @@ class FilmStage:
         lines = ribbons(starts, ends, GRID_WIDTH)
         lines[0][2] = GRID_LIFT
         for instance in (
-            _instance(slab, X_WS, GROUND_COLOR),
-            _instance(_mesh(lines), RigidTransform(), GRID_COLOR),
+            _instance(slab, X_WS, GROUND_LIGHT),
+            _instance(_mesh(lines), RigidTransform(), GRID_LIGHT),
         ):
             self._scene_graph.RegisterAnchoredGeometry(self._source, instance)
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """A shape with the pose and the scale in which it is drawn."""
+
+    shape: Shape
+    X_WS: RigidTransform
+    scale: tuple[float, float, float]
+
+    @property
+    def key(self) -> Any:
+        """What is seen, for comparison."""
+        pose = self.X_WS.GetAsMatrix34().tobytes()
+        return self.shape.name, self.shape.solid.key, pose, self.scale
+
+
+def _placed(shape: Shape, p_WC: NDArray[np.float64]) -> _Placed:
+    """Places a shape; one that nothing may hide looks the same just before the lens."""
+    X_WS, near = shape.X_WS, 1.0
+    if shape.solid.layer > 1:
+        near = NEARER
+        p_WS = p_WC + near * (X_WS.translation() - p_WC)
+        X_WS = RigidTransform(X_WS.rotation(), p_WS)
+    return _Placed(shape, X_WS, (near, near, near * shape.length))
 
 
 def _labels(scene_graph: SceneGraph, robot: Robot) -> list[list[int]]:
@@ -214,21 +236,26 @@ def _instance(
     return instance
 
 
-def _mesh(triangles: Triangles, length: float = 1.0) -> Mesh:
+def _mesh(
+    triangles: Triangles, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> Mesh:
     """Writes triangles, lit from above, in the renderer's format."""
     vertices, faces = triangles
     lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices.T]
     lines.append("vn 0 0 1")
-    lines += ["f " + " ".join(f"{i + 1}//1" for i in face) for face in faces.T]
+    lines += [f"f {i}//1 {j}//1 {k}//1" for i, j, k in faces.T + 1]
     file = MemoryFile("\n".join(lines) + "\n", ".obj", "triangles")
-    return Mesh(InMemoryMesh(mesh_file=file), scale3=np.array([1.0, 1.0, length]))
+    return Mesh(InMemoryMesh(mesh_file=file), scale3=scale)
 
 
-def _color(solid: Solid) -> Color:
-    """Color over the ground: transparency is not drawn reliably."""
+def _light(solid: Solid) -> Color:
+    """Returns the light intensity of a solid over the ground.
+
+    Transparency is not drawn reliably.
+    """
     r, g, b = (
-        solid.opacity * own + (1.0 - solid.opacity) * below
-        for own, below in zip(solid.color, GROUND_COLOR, strict=True)
+        (solid.opacity * own + (1.0 - solid.opacity) * below) ** GAMMA
+        for own, below in zip(solid.color, GROUND_SEEN, strict=True)
     )
     return r, g, b
 

@@ -33,7 +33,7 @@ VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
 """Changes of a step below this [m] or [rad] are shown as commanded."""
 HEIGHT_GRID = 0.002
 """Resolution of heights [m], so that a stance foot's small motion makes no new mark."""
-LINE_WIDTH = 0.008
+LINE_WIDTH = 0.012
 """Width of the outlines [m]."""
 CORNER_POINTS = 7
 """Points of each rounded corner."""

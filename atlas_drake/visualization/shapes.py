@@ -87,10 +87,10 @@ def overlay_shapes(record: TickRecord, on: Collection[str]) -> list[Shape]:
         shapes.append(Shape("support", solid))
     if "plan" in on:
         for name, path, color in (("com", paths.com, COM), ("dcm", paths.dcm, DCM)):
-            if path is not None:
+            if path is not None and len(path) > 1:
                 points = _at(path, ground + LIFT["plan"])
                 shapes.append(Shape(f"plan_{name}", _curve(points, color)))
-    if "swing" in on and paths.swing is not None:
+    if "swing" in on and paths.swing is not None and len(paths.swing) > 1:
         shapes.append(Shape("swing", _curve(paths.swing, SWING)))
     if "com" in on:
         X_WS, height = _pose(x, y, ground), max(z - ground, MIN_HEIGHT)
@@ -100,7 +100,7 @@ def overlay_shapes(record: TickRecord, on: Collection[str]) -> list[Shape]:
     for name, color in (("com", COM), ("dcm", DCM), ("cop", COP)):
         place = places[name]
         if name in on and place is not None:
-            X_WS = _pose(*map(float, place[:2]), ground + LIFT[name])
+            X_WS = _pose(float(place[0]), float(place[1]), ground + LIFT[name])
             shapes.append(Shape(name, _moving(name, color), X_WS))
     if "forces" in on:
         for number, contact in enumerate(record.contacts or ()):
@@ -127,7 +127,7 @@ def _curve(points: Points, color: Color) -> Solid:
 
 
 def _rounded(points: Points, grid: float) -> Points:
-    return grid * np.round(points / grid)
+    return grid * np.round(points / grid) + 0.0  # No -0.0, which would differ.
 
 
 def _at(flat: Points, height: float) -> Points:

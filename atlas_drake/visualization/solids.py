@@ -56,8 +56,8 @@ def polygon(corners: Points) -> Triangles:
 def ribbons(starts: Points, ends: Points, width: float) -> Triangles:
     """Makes rectangles of a width [m] along line segments in the plane z = 0.
 
-    Starts and ends have the shape (3, k). The rectangles extend by half the width beyond
-    both, which closes the corners of chains.
+    Starts and ends have the shape (3, k). The rectangles extend beyond both by half the
+    width, which closes the corners of chains.
     """
     count = starts.shape[1]
     along = (ends - starts)[:2]
@@ -75,11 +75,13 @@ def ribbons(starts: Points, ends: Points, width: float) -> Triangles:
 
 
 def tube(points: Points, radius: float) -> Triangles:
-    """Makes a tube of a radius [m] along a curve, shape (k, 3), without vertical parts."""
+    """Makes a tube of a radius [m] along a curve, shape (k, 3) with k > 1."""
     along = np.gradient(points, axis=0)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
     across = np.column_stack([-along[:, 1], along[:, 0], np.zeros(len(points))])
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
+    # Across a vertical part any horizontal direction is valid.
+    across[np.linalg.norm(across, axis=1) < 1e-6] = [0.0, 1.0, 0.0]
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
     up = np.cross(along, across)
     angles = 2.0 * np.pi * np.arange(TUBE_SIDES) / TUBE_SIDES
     sides = [
