@@ -48,7 +48,7 @@ Picture = NDArray[np.uint8]
 
 FIELD_OF_VIEW = 32.0
 """Vertical field of view of the camera [degree]."""
-NEAR, FAR = 0.1, 100.0
+NEAR, FAR = 0.1, 150.0
 """Near and far limit of the camera's view from its lens [m]."""
 SKY = np.array([0.84, 0.90, 0.95])
 GROUND_LIGHT: Color = (0.86, 0.87, 0.88)
