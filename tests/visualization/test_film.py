@@ -21,6 +21,8 @@ from atlas_drake.visualization.film_file import FilmError, FilmFile, check_film
 
 av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
 
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
 SIZE = WIDTH, HEIGHT = 192, 108
 SECONDS = 0.1
 
@@ -164,14 +166,11 @@ def test_a_camera_may_look_straight_down():
 # ---- pictures ------------------------------------------------------------------
 
 
-def test_the_robot_stands_in_the_picture(plain, picture):
-    away = View([40.0, 0.0, 1.0], [80.0, 0.0, 0.9])
-    empty = picture(view=away)
+def test_the_robot_stands_in_the_picture(plain):
     # Of the robot, not of the ground, which looks the same along a row.
     rows, columns = np.nonzero(differing(plain, plain[:, :1], by=60))
     assert 0.6 * HEIGHT < np.ptp(rows) < HEIGHT - 2
     assert np.ptp(rows) > np.ptp(np.percentile(columns, [5, 95]))
-    assert not differing(empty, empty[:, :1], by=60).any()
     # Its feet are on the ground, its head before the sky.
     horizon = np.argmax(np.abs(np.diff(plain[:, 0].astype(int).sum(axis=1))))
     assert rows.min() < horizon < rows.max() - 0.3 * HEIGHT
