@@ -33,6 +33,9 @@ SHADES = 4
 """Steps of a scale: Meshcat has a copy of each link for each color."""
 GAMMA = 2.2
 """Exponent of the conversion to light intensities, in which glTF has colors."""
+PAINT = 0.5
+"""Share of the light that paint reflects: in the light of the scene a link then has the
+color of the palette."""
 COVER = "_colored"
 """Suffix of the path of a link's copies."""
 
@@ -133,7 +136,7 @@ class LinkColors:
 def painted(file: Path, color: Color) -> Mesh:
     """Returns a mesh of a glTF file with one color in place of its materials."""
     document = json.loads(file.read_text())
-    light = [*(part**GAMMA for part in color), 1.0]
+    light = [*(PAINT * part**GAMMA for part in color), 1.0]
     paint = {"baseColorFactor": light, "metallicFactor": 0.0, "roughnessFactor": 0.6}
     document["materials"] = [{"pbrMetallicRoughness": paint}]
     for mesh in document["meshes"]:

@@ -12,7 +12,7 @@ from pydrake.geometry import Meshcat, MeshcatParams
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.palette import BEHAVIOR, USER
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.colors import COVER, GAMMA
+from atlas_drake.visualization.colors import COVER, GAMMA, PAINT
 from atlas_drake.visualization.overlays import Overlays, overlays_from
 
 from .conftest import picture
@@ -247,7 +247,7 @@ def test_a_recording_plays_without_a_network_and_shows_plan_and_forces(
         on_one_foot = arrow_heights(page)
         assert seen_of(page, [*SHAPES, "forces"]) > 30
         users = color_of(page)
-        np.testing.assert_allclose(users, np.power(USER, GAMMA), atol=0.01)
+        np.testing.assert_allclose(users, PAINT * np.power(USER, GAMMA), atol=0.01)
         assert not page.evaluate(f"{node(HEAD)}.object.visible")
 
         seek(page, STANDING)
@@ -262,7 +262,9 @@ def test_a_recording_plays_without_a_network_and_shows_plan_and_forces(
         assert len(on_one_foot) <= 4
         assert max(on_one_foot) > 1.2 * max(on_two_feet)
         behaviors = color_of(page)
-        np.testing.assert_allclose(behaviors, np.power(BEHAVIOR, GAMMA), atol=0.01)
+        np.testing.assert_allclose(
+            behaviors, PAINT * np.power(BEHAVIOR, GAMMA), atol=0.01
+        )
 
     seek(page, UNCOLOURED)
     assert shown(page, COVERS) == set()

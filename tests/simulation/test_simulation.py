@@ -3,7 +3,6 @@
 import json
 import threading
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,7 +27,6 @@ from atlas_drake import (
 from atlas_drake.errors import ErrorCode
 from atlas_drake.simulation.sinks import Listener
 from atlas_drake.simulation.tutorial import FIRST_COMMAND
-from atlas_drake.visualization.video_display import Video
 
 TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
@@ -51,7 +49,6 @@ def sim(shared):
     ("arguments", "words"),
     [
         ({"scenario": "x.yaml"}, "scenario must be a Scenario, is 'x.yaml'; load_sc"),
-        ({"video": "x.mp4"}, r"video must be a Video of .*, is 'x.mp4', such as Video"),
         ({"overlays": ["com"]}, r"overlays must be Overlays of .*, is \['com'\]"),
         (
             {"view": 1},
@@ -65,17 +62,6 @@ def sim(shared):
 def test_an_argument_of_the_wrong_type_is_named(arguments, words):
     with pytest.raises(TypeError, match=words):
         AtlasSimulation(**arguments)
-
-
-def test_an_invalid_video_is_refused():
-    assert Video("run.mp4").path == Path("run.mp4")
-    for fields, words in (
-        ({"path": 3}, "path of a Video must be the name of a file, is 3"),
-        ({"path": "x.mp4", "width": "wide"}, "width of a Video must be a positive who"),
-        ({"path": "x.mp4", "height": 0}, "height of a Video must be a positive whole"),
-    ):
-        with pytest.raises(TypeError, match=words):
-            Video(**fields)
 
 
 def behavior_command(behavior, **fields):

@@ -27,6 +27,7 @@ from atlas_drake.visualization.colors import (
     EFFORTS,
     GAMMA,
     OWNERS,
+    PAINT,
     joint_colors,
     painted,
     shade,
@@ -236,7 +237,8 @@ def test_a_painted_mesh_has_one_color_and_the_same_triangles(tmp_path):
     text = json.loads(mesh.mesh_file.contents())
     (material,) = text["materials"]
     color = material["pbrMetallicRoughness"]["baseColorFactor"]
-    np.testing.assert_allclose(color, [*np.power(USER, GAMMA), 1.0])
+    assert color[3] == 1.0
+    np.testing.assert_allclose(color[:3], PAINT * np.power(USER, GAMMA))
     parts = text["meshes"][0]["primitives"]
     assert [(part["material"], part["indices"]) for part in parts] == [(0, 0), (0, 2)]
     assert "images" not in text
