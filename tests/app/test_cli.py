@@ -397,6 +397,8 @@ def test_a_full_disk_loses_one_file_and_no_other(full, scenario, tmp_path, capsy
     out = capsys.readouterr().out
     assert f"{lost} is lost: No space left on device" in out
     assert "Success: the robot is upright after 0.1 s" in out
+    if full == "--log":  # A film is made of the log.
+        assert f"{files.pop('--video')} is lost" in out
     assert all(file.stat().st_size > 1000 for file in files.values())
     if full == "--log":  # Which is noticed, and told, while the run goes on.
         told = f"{lost}: cannot be written: No space left on device; the run"

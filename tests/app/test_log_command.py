@@ -161,8 +161,8 @@ def test_a_replay_is_recorded_with_the_overlays_of_show(log_file, tmp_path, caps
     animation = animation_in(page)
     assert b"/visualizer/atlas/pelvis" in animation
     assert b"/shapes/com_ball" in animation
-    assert b"/overlays/cop" in animation
-    assert b"/overlays/dcm" not in animation
+    assert b"/shapes/cop" in animation
+    assert b"/shapes/dcm" not in animation
 
 
 def test_replay_names_overlays_that_a_log_lacks_and_shows_the_others(
@@ -176,4 +176,4 @@ def test_replay_names_overlays_that_a_log_lacks_and_shows_the_others(
     assert "--set log.contacts=true" in out
     animation = animation_in(page)
     assert b"/shapes/com_ball" in animation
-    assert b"/overlays/forces" not in animation
+    assert b"/shapes/forces" not in animation
