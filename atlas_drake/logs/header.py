@@ -15,7 +15,7 @@ from atlas_drake.messages.behavior_catalog import (
 from atlas_drake.records import Schema
 
 FORMAT, VERSION = "atlas_drake log", 2
-SHOWN = ("name", "number", "caption", "color", "description")
+SHOWN = ("name", "number", "color", "description")
 """Fields of a user's own behavior that a log holds."""
 PLOT_EXTRA = "plot"
 """Extra of the package that installs the packages of figures."""

@@ -6,7 +6,6 @@ Adds ground, lamps and the shapes of a record to the SceneGraph of a replay.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -131,7 +130,7 @@ class FilmStage:
             colors: Colors of the joints' links; None leaves the links their own.
             X_WC: Pose of the camera, z ahead and y down.
         """
-        self._show(context, [_placed(shape, X_WC.translation()) for shape in shapes])
+        self._show(context, shapes, X_WC.translation())
         world = SceneGraph.world_frame_id()
         image = query.RenderColorImage(self._camera, world, X_WC)
         picture: Picture = np.array(image.data[:, :, :3])
@@ -153,16 +152,21 @@ class FilmStage:
         light = 255.0 * (DARKEST + (BRIGHTEST - DARKEST) * grey)
         picture[links] = np.minimum(light * np.array(colors)[joint[links]], 255.0)
 
-    def _show(self, context: Context, placed: Iterable[_Placed]) -> None:
+    def _show(
+        self, context: Context, shapes: Iterable[Shape], p_WC: NDArray[np.float64]
+    ) -> None:
         """Shows exactly these shapes; those that look the same stay."""
-        asked = {one.key: one for one in placed}
+        asked = {}
+        for shape in shapes:
+            X_WS, scale = _placed(shape, p_WC)
+            key = shape.name, shape.solid.key, scale, X_WS.GetAsMatrix34().tobytes()
+            asked[key] = shape.solid, X_WS, scale
         for key in self._shown.keys() - asked.keys():
             geometry = self._shown.pop(key)
             self._scene_graph.RemoveGeometry(context, self._source, geometry)
         for key in asked.keys() - self._shown.keys():
-            one = asked[key]
-            mesh = _mesh(one.shape.solid.triangles, one.scale)
-            instance = _instance(mesh, one.X_WS, _light(one.shape.solid))
+            solid, X_WS, scale = asked[key]
+            instance = _instance(_mesh(solid.triangles, scale), X_WS, _light(solid))
             self._shown[key] = self._scene_graph.RegisterGeometry(
                 context, self._source, SceneGraph.world_frame_id(), instance
             )
@@ -171,41 +175,30 @@ class FilmStage:
         slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
         X_WS = RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
         at = np.arange(-0.5 * GRID_SIZE, 0.5 * GRID_SIZE + 1e-9, GRID_SPACING)
-        end, lift = np.full(at.size, 0.5 * GRID_SIZE), np.full(at.size, GRID_LIFT)
-        starts = np.hstack([[at, -end, lift], [-end, at, lift]])
-        ends = np.hstack([[at, end, lift], [end, at, lift]])
-        lines = ribbons(starts, ends, GRID_WIDTH)
-        lines[0][2] = GRID_LIFT
+        end, flat = np.full(at.size, 0.5 * GRID_SIZE), np.zeros(at.size)
+        starts = np.hstack([[at, -end, flat], [-end, at, flat]])
+        ends = np.hstack([[at, end, flat], [end, at, flat]])
+        grid = _mesh(ribbons(starts, ends, GRID_WIDTH))
+        X_WG = RigidTransform([0.0, 0.0, GRID_LIFT])
         for instance in (
             _instance(slab, X_WS, GROUND_LIGHT),
-            _instance(_mesh(lines), RigidTransform(), GRID_LIGHT),
+            _instance(grid, X_WG, GRID_LIGHT),
         ):
             self._scene_graph.RegisterAnchoredGeometry(self._source, instance)
 
 
-@dataclass(frozen=True)
-class _Placed:
-    """A shape with the pose and the scale in which it is drawn."""
+def _placed(
+    shape: Shape, p_WC: NDArray[np.float64]
+) -> tuple[RigidTransform, tuple[float, float, float]]:
+    """Returns pose and scale of a shape in the scene.
 
-    shape: Shape
-    X_WS: RigidTransform
-    scale: tuple[float, float, float]
-
-    @property
-    def key(self) -> Any:
-        """What is seen, for comparison."""
-        pose = self.X_WS.GetAsMatrix34().tobytes()
-        return self.shape.name, self.shape.solid.key, pose, self.scale
-
-
-def _placed(shape: Shape, p_WC: NDArray[np.float64]) -> _Placed:
-    """Places a shape; one that nothing may hide looks the same just before the lens."""
-    X_WS, near = shape.X_WS, 1.0
-    if shape.solid.layer > 1:
-        near = NEARER
-        p_WS = p_WC + near * (X_WS.translation() - p_WC)
-        X_WS = RigidTransform(X_WS.rotation(), p_WS)
-    return _Placed(shape, X_WS, (near, near, near * shape.length))
+    A shape that nothing may hide looks the same just before the lens.
+    """
+    if shape.solid.layer < 2:
+        return shape.X_WS, (1.0, 1.0, shape.length)
+    p_WS = p_WC + NEARER * (shape.X_WS.translation() - p_WC)
+    scale = NEARER, NEARER, NEARER * shape.length
+    return RigidTransform(shape.X_WS.rotation(), p_WS), scale
 
 
 def _labels(scene_graph: SceneGraph, robot: Robot) -> list[list[int]]:
