@@ -16,6 +16,7 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
+    from atlas_drake.diagrams.film import film
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.logs import Log, LogError, read_log
     from atlas_drake.messages.controller_status import (
@@ -65,6 +66,7 @@ _LAZY = {
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
     "StepStream": "atlas_drake.planning.step_stream",
+    "film": "atlas_drake.diagrams.film",
     "load_scenario": "atlas_drake.scenario",
     "place_robot": "atlas_drake.diagrams.standing",
     "read_log": "atlas_drake.logs",
@@ -100,6 +102,7 @@ __all__ = [  # noqa: PLE0604
     "StepStream",
     "TickRecord",
     "WaitTimeoutError",
+    "film",
     "load_scenario",
     "place_robot",
     "read_log",

@@ -1,12 +1,12 @@
-"""Plays a log: the 3D view and video of the run, fed from the log.
+"""Plays a log: the 3D view of the run, fed from the log; ``film`` films it.
 
 A diagram without physics: each row of the log sets the state of robot and world.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from pydrake.geometry import (
     Meshcat,
@@ -26,15 +26,11 @@ from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import Overlays
 
-if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
-
 
 def make_replay(
     log: Log,
     meshcat: Meshcat | None = None,
     overlays: Overlays | None = None,
-    video: Video | None = None,
     *,
     world: Sequence[WorldMaker] = (),
 ) -> Diagram:
@@ -42,22 +38,15 @@ def make_replay(
     builder = DiagramBuilder()
     robot = log.robot  # Loaded first, so that a missing robot is the first error.
     beside_robot = (*world_of(log.scenario.all_models()), *world)
-    builder.AddNamedSystem("station", _make_station(log, beside_robot))
+    builder.AddNamedSystem("station", make_replay_station(log, beside_robot))
     station: Any = builder.GetSubsystemByName("station")
-    catalog = log.header.catalog
-    # The modules of displays load only if needed.
+    # The modules of the view load only if needed.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
         from atlas_drake.visualization.scene import show_start
 
-        add_meshcat_view(builder, station, robot, catalog, meshcat, overlays)
+        add_meshcat_view(builder, station, robot, meshcat, overlays)
         show_start(meshcat, log.scenario)
-    if video is not None:
-        from atlas_drake.visualization.video_display import add_video
-
-        add_video(
-            builder, station, robot, catalog, log.scenario, video, world, overlays
-        )
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
@@ -66,7 +55,7 @@ def make_replay(
 def make_replay_beside(log: Log, meshcat: Meshcat, path: str) -> Diagram:
     """Builds a diagram that draws the robot of a log alone, under a path."""
     builder = DiagramBuilder()
-    builder.AddNamedSystem("station", _make_station(log, scenery=False))
+    builder.AddNamedSystem("station", make_replay_station(log, scenery=False))
     station: Any = builder.GetSubsystemByName("station")
     MeshcatVisualizer.AddToBuilder(
         builder,
@@ -81,10 +70,21 @@ def make_replay_beside(log: Log, meshcat: Meshcat, path: str) -> Diagram:
     return diagram
 
 
-def _make_station(
-    log: Log, world: Sequence[WorldMaker] = (), *, scenery: bool = True
+def make_replay_station(
+    log: Log,
+    world: Sequence[WorldMaker] = (),
+    extend: Callable[[SceneGraph], object] = lambda _scene_graph: None,
+    *,
+    scenery: bool = True,
 ) -> Diagram:
-    """Makes a diagram with a station's output ports, fed from a log."""
+    """Makes a diagram with a station's output ports, fed from a log.
+
+    Args:
+        log: Log of the run.
+        world: Callables that add models beside the robot.
+        extend: Called with the SceneGraph before the diagram is built.
+        scenery: True for ground and terrain.
+    """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)
@@ -95,6 +95,7 @@ def _make_station(
         add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
     add_world(plant, world)
     plant.Finalize()
+    extend(scene_graph)
     player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))
     poses = builder.AddNamedSystem(
         "poses", MultibodyPositionToGeometryPose(plant, input_multibody_state=True)

@@ -1,4 +1,4 @@
-"""Makes the pictures and the film of the README, those of extending.md and worlds.md.
+"""Makes the films, and the pictures of the README, extending.md and worlds.md.
 
 Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 
@@ -10,7 +10,6 @@ Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 import argparse
 import shutil
 import subprocess
-import sys
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -25,16 +24,23 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
+    PlannedPush,
+    Scenario,
+    film,
+    read_log,
 )
 from atlas_drake.app.diagram_picture import write_diagram_picture
 from atlas_drake.app.main import main as atlas_drake
+from atlas_drake.scenario.world_file import View
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import start_meshcat
 
-PAGES = ("readme", "cockpit", "extending", "worlds")
+PAGES = ("films", "readme", "cockpit", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
 DIAGRAM = Path(__file__).parent / "reference" / "diagram.svg"
-FILM, FILM_SIZE = "demo.mp4", "400x224"
+FILM_SIZE = (640, 360)
+PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
+"""Push of ``push.mp4`` [N·s], and its camera."""
 CLIP_SIZE = (800, 450)
 CLIP, CLIP_TIMES, CLIP_FPS, CLIP_COLORS = "cockpit.gif", (0.5, 9.5), 5, 64
 """Part of the cockpit's film that moves in the README [s]: a click, and the walk."""
@@ -47,7 +53,6 @@ THOUGHTS = (
     "plan",
     "swing",
     "forces",
-    "flags",
     "follow",
 )
 THOUGHTS_AT = 9.25
@@ -107,6 +112,8 @@ def main() -> None:
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
     pages = PAGES if options.only is None else (options.only,)
+    if "films" in pages:
+        make_films()
     if "readme" in pages:
         make_readme_pictures(options.browser)
     if "cockpit" in pages:
@@ -118,12 +125,25 @@ def main() -> None:
         make_worlds_pictures(IMAGES, partial(photograph, options.browser))
 
 
+def make_films() -> None:
+    """Films the tutorial, with the owner of each joint, and a push."""
+    push = PlannedPush(time=1.0, impulse=PUSH)
+    with tempfile.TemporaryDirectory() as folder:
+        log = f"{folder}/tutorial.mcap"
+        atlas_drake(["demo", "--headless", "--log", log])
+        show = ["owner", "plan", "swing"]
+        film(read_log(log), IMAGES / "demo.mp4", size=FILM_SIZE, show=show)
+        log = f"{folder}/push.mcap"
+        with AtlasSimulation(Scenario(pushes=[push]), log=log) as sim:
+            sim.advance_to(8.0)
+        show, view = ["com", "dcm", "cop", "support"], PUSH_VIEW
+        film(read_log(log), IMAGES / "push.mp4", size=FILM_SIZE, show=show, view=view)
+
+
 def make_readme_pictures(browser: str) -> None:
-    """Makes the pictures and the film of the README."""
+    """Makes the pictures of the README."""
     write_diagram_picture(DIAGRAM)
     print(f"Wrote {DIAGRAM}.")
-    film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
-    subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
     meshcat = start_meshcat()
     sim = AtlasSimulation(view=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()

@@ -18,7 +18,6 @@ from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.messages.event import Event
-from atlas_drake.visualization.caption import caption_of
 
 ROOT = Path(__file__).parents[1]
 FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"
@@ -146,12 +145,3 @@ def test_a_shipped_entry_is_found():
 
 def test_an_event_is_printed_as_a_line():
     assert str(Event(1.25, "fall", "falling")) == "1.250 s: falling"
-
-
-def test_a_controller_without_behaviors_is_not_said_to_be_the_user():
-    record = AtlasSimulation().record
-    idle = replace(record.behavior, current=int(Behavior.NONE))
-    assert caption_of(replace(record, behavior=idle)) == (
-        "no behavior",
-        "0 of 28 joints under user control",
-    )

@@ -11,9 +11,8 @@ from pydrake.math import RigidTransform
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.outputs import shown_of_log
+from atlas_drake.app.outputs import quiet_logs, shown_of_log
 from atlas_drake.app.progress import Progress
-from atlas_drake.app.run import quiet_logs
 from atlas_drake.cockpit.cockpit import Cockpit
 from atlas_drake.cockpit.log_playback import LogPlayback
 from atlas_drake.cockpit.log_state import card_of_log

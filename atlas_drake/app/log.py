@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from pydrake.systems.analysis import Simulator
 
@@ -25,12 +24,12 @@ from atlas_drake.app.outputs import (
     keep,
     keep_recording,
     open_view,
+    quiet_logs,
     realtime_rate,
     shown_of_log,
-    video_asked_for,
 )
 from atlas_drake.app.progress import Progress, StatusLine
-from atlas_drake.app.run import PIECE, quiet_logs
+from atlas_drake.app.run import PIECE
 from atlas_drake.atomic_write import atomic_write
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
@@ -107,24 +106,21 @@ def _needs_extra(extra: str) -> Iterator[None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view, or films it; returns the exit status.
+    """Plays a log in the 3D view, or records it; returns the exit status.
 
     Raises:
         LogError: If the log cannot be read, or there is nothing to do.
         ScenarioError: If a file or an address cannot be used; raised before the replay.
-        VideoError: If the video cannot be made; raised before the replay.
     """
-    if options.headless and options.record is None and options.video is None:
+    if options.headless and options.record is None:
         raise LogError(
-            "--headless shows nothing: add --record FILE.html or --video FILE.mp4, or "
-            "leave it out to watch"
+            "--headless shows nothing: add --record FILE.html, or leave it out to watch"
         )
-    check_outputs(options, ("record", "video"))
+    check_outputs(options, ("record",))
     if options.cockpit:
         return _replay_in_cockpit(options)
     if options.beside is not None:
         raise LogError("--beside needs --cockpit, which shows two logs at a time")
-    video = video_asked_for(options)
     quiet_logs()
     log = _read(options.log)
     begin, end = float(log.time[0]), float(log.time[-1])
@@ -137,9 +133,7 @@ def replay_log(options: argparse.Namespace) -> int:
             shown_of_log(options.show, log, progress),
             recorded=options.record is not None,
         ),
-        video,
     )
-    filmed: Any = None if video is None else diagram.GetSubsystemByName("video")
     simulator = Simulator(diagram)
     simulator.get_mutable_context().SetTime(begin)
     simulator.Initialize()
@@ -147,19 +141,10 @@ def replay_log(options: argparse.Namespace) -> int:
     pace = Pace(simulator)
     pace.set_rate(realtime_rate(options))
     with nothing_cut_off():
-        try:
-            interrupted = _play(log, simulator, pace, end, progress)
-        finally:
-            # Also after a second Ctrl-C: an unfinished video cannot be played.
-            kept = filmed is None or keep(
-                options.video,
-                filmed.close,
-                progress,
-                lambda pictures: f", {pictures} pictures.",
-            )
+        interrupted = _play(log, simulator, pace, end, progress)
         now = simulator.get_context().get_time()
         progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
-        kept = keep_recording(meshcat, options, progress) and kept
+        kept = keep_recording(meshcat, options, progress)
     if interrupted:
         return exit_status.INTERRUPTED
     if not kept:
@@ -173,9 +158,8 @@ def _replay_in_cockpit(options: argparse.Namespace) -> int:
     """Serves the cockpit over a log until Ctrl-C; returns the exit status."""
     from atlas_drake.app.cockpit_replay import play_in_cockpit
 
-    files = [name for name in ("record", "video") if getattr(options, name) is not None]
-    if files or options.headless:
-        option = f"--{files[0]}" if files else "--headless"
+    if options.record is not None or options.headless:
+        option = "--headless" if options.record is None else "--record"
         raise LogError(f"{option} cannot be used with --cockpit")
     log = _read(options.log)
     beside = None if options.beside is None else _read(options.beside)

@@ -1,7 +1,7 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
-Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``,
-campaigns in ``sweep``, the picture of the diagram in ``diagram_picture``.
+Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``, films
+in ``film``, campaigns in ``sweep``, the picture of the diagram in ``diagram_picture``.
 """
 
 from __future__ import annotations
@@ -22,10 +22,13 @@ from atlas_drake.app.options import (
     add_show_option,
     add_speed_options,
     rate,
+    size,
+    view,
 )
 from atlas_drake.app.parts import behaviors_told
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.errors import AtlasError, did_you_mean
+from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
@@ -219,33 +222,66 @@ def _parser(
 
     replay = commands.add_parser(
         "replay",
-        help="watch or film a log",
-        description="Show the robot as the log has it, with footsteps and caption, in "
-        "the 3D view or in a video. Nothing is simulated.",
+        help="watch a log",
+        description="Show the robot as the log has it, with footsteps, in the 3D view. "
+        "Nothing is simulated.",
         epilog=_LOG_EXIT_STATUS,
     )
     replay.add_argument("log", metavar="LOG", type=Path)
-    view = replay.add_argument_group("how you watch it")
-    add_speed_options(
-        view, "no 3D view: for --record and --video alone, as fast as possible"
-    )
-    view.add_argument(
+    watch = replay.add_argument_group("how you watch it")
+    add_speed_options(watch, "no 3D view: for --record alone, as fast as possible")
+    watch.add_argument(
         "--cockpit",
         action="store_true",
         help="show the log in the cockpit, with a slider over its time, plots of any "
         "channel, and what the controller thought",
     )
-    view.add_argument(
+    watch.add_argument(
         "--beside",
         metavar="LOG",
         type=Path,
         help="with --cockpit: a second log, whose robot stands beside the first and "
         "whose plots are dashed",
     )
-    add_address_options(view)
-    add_show_option(view, "none")
+    add_address_options(watch)
+    add_show_option(watch, "none")
     add_record_option(replay.add_argument_group("what you keep"))
     replay.set_defaults(run="log.replay_log", reads=("log", "beside"))
+
+    film = commands.add_parser(
+        "film",
+        help="film a log",
+        description="Film the robot as the log has it, with footsteps, into a video. "
+        "Needs no display; nothing is simulated. Takes 2 to 5 s for each second of the "
+        'log. Needs `pip install "atlas-drake[video]"`.',
+        epilog=_LOG_EXIT_STATUS,
+    )
+    film.add_argument("log", metavar="LOG", type=Path)
+    pictures = film.add_argument_group("what the film shows")
+    film.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="a .mp4 or .gif (default: beside the log, run.mp4 for run.mcap)",
+    )
+    pictures.add_argument(
+        "--size",
+        type=size,
+        default=FILM_SIZE,
+        metavar="WxH",
+        help=f"of the pictures (default: {FILM_SIZE[0]}x{FILM_SIZE[1]})",
+    )
+    pictures.add_argument(
+        "--view",
+        type=view,
+        metavar="X,Y,Z,X,Y,Z",
+        help="place of the camera and of what it looks at, in the world [m], such as "
+        "--view=3,-2,1.5,0,0,1 (default: the view of the world, if it has one; else, "
+        "and with --show follow, the camera follows the robot)",
+    )
+    add_show_option(pictures, "none")
+    film.set_defaults(run="film.film_log", reads=("log",))
 
     teleop = commands.add_parser(
         "teleop",
@@ -271,9 +307,9 @@ def _parser(
         help="end after this simulated time (default: no end)",
     )
     add_robot_options(teleop)
-    view = teleop.add_argument_group("how you watch it")
-    add_address_options(view)
-    add_show_option(view, "com,dcm,cop,support,swing,plan")
+    watch = teleop.add_argument_group("how you watch it")
+    add_address_options(watch)
+    add_show_option(watch, "com,dcm,cop,support,swing,plan")
     teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts"))
 
     add_sweep_commands(commands, _LOST)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from atlas_drake.app.parts import add_parts_option
 from atlas_drake.errors import ScenarioError
+from atlas_drake.visualization import FILM_SIZE
 from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
 
 
@@ -82,6 +83,20 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "`replay`, Python, Foxglove and PlotJuggler",
     )
     add_record_option(keep)
+    keep.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="film the run afterwards into a .mp4 or .gif, as `atlas-drake film` does "
+        "its log; also with --headless",
+    )
+    keep.add_argument(
+        "--video-size",
+        type=size,
+        default=FILM_SIZE,
+        metavar="WxH",
+        help=f"of the film's pictures (default: {FILM_SIZE[0]}x{FILM_SIZE[1]})",
+    )
 
 
 def add_speed_options(view: argparse._ArgumentGroup, headless: str) -> None:
@@ -116,28 +131,13 @@ def add_address_options(view: argparse._ArgumentGroup) -> None:
 
 
 def add_record_option(keep: argparse._ArgumentGroup) -> None:
-    """Adds --record, --video and --video-size."""
+    """Adds --record."""
     keep.add_argument(
         "--record",
         type=Path,
         metavar="FILE.html",
         help="write the 3D animation, with what --show asks for, as one web page that "
         "plays without this program",
-    )
-    keep.add_argument(
-        "--video",
-        type=Path,
-        metavar="FILE",
-        help="film the run into a .mp4 or .gif, also with --headless; needs "
-        '`pip install "atlas-drake[video]"` and, for each simulated second, 3 to '
-        "6 s of computing, depending on its size",
-    )
-    keep.add_argument(
-        "--video-size",
-        type=_size,
-        default=(960, 540),
-        metavar="WxH",
-        help="of the video's pictures (default: 960x540)",
     )
 
 
@@ -148,7 +148,7 @@ def add_show_option(view: argparse._ArgumentGroup, show: str) -> None:
         type=_overlays,
         default=_overlays(show),
         metavar="LIST",
-        help="overlays of the controller's state and plan in 3D view and video, with "
+        help="overlays of the controller's state and plan in 3D view and film, with "
         f"commas: {', '.join(OVERLAYS)}; or all, or none (default: {show})",
     )
 
@@ -172,6 +172,20 @@ def rate(text: str) -> float:
     return rate
 
 
+def view(text: str) -> tuple[list[float], list[float]]:
+    """Reads lens and target of a camera, for argparse."""
+    try:
+        numbers = [float(number) for number in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 6 or numbers[:3] == numbers[3:]:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not the place of the camera and, elsewhere, that of its "
+            "target, such as 3,-2,1.5,0,0,1"
+        )
+    return numbers[:3], numbers[3:]
+
+
 def _port(text: str) -> int:
     # Below 1024 only administrators may listen, and Meshcat does not.
     if not (text.isdecimal() and 1024 <= int(text) <= 65535):
@@ -179,7 +193,8 @@ def _port(text: str) -> int:
     return int(text)
 
 
-def _size(text: str) -> tuple[int, int]:
+def size(text: str) -> tuple[int, int]:
+    """Reads width and height in pixels, for argparse."""
     found = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", text)
     if found is None or not all(64 <= int(side) <= 4096 for side in found.groups()):
         raise argparse.ArgumentTypeError(

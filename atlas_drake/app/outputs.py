@@ -1,4 +1,4 @@
-"""Outputs of the command line: 3D view, recording, video, text files.
+"""Outputs of the command line: 3D view, recording, text files.
 
 The same for a run and for the replay of its log. Serving the view is in ``viewer``.
 """
@@ -6,27 +6,26 @@ The same for a run and for the replay of its log. Serving the view is in ``viewe
 from __future__ import annotations
 
 import argparse
+import logging
 from collections.abc import Callable, Collection, Iterable
-from functools import partial
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.app.progress import Progress
+from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.overlays import logged_overlays, why_not_logged
+from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 
 if TYPE_CHECKING:
     from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.simulation import AtlasSimulation
     from atlas_drake.visualization.overlays import Overlays
-    from atlas_drake.visualization.video_display import Video
-
 
 T = TypeVar("T")
 
@@ -67,7 +66,7 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
 def keep(
     path: Path,
     write: Callable[[], T],
-    progress: Progress,
+    progress: StatusLine,
     use: Callable[[T], str] = lambda _written: ".",
 ) -> bool:
     """Writes a file at the end of a run; returns True on success.
@@ -103,30 +102,21 @@ def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool
     return keep(path, write, progress, lambda _written: use)
 
 
-def keep_files(
+def keep_log(
     sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
 ) -> bool:
-    """Completes the video and the log of a run; returns True on success."""
-    kept = True
-    for sink in reversed(sim.sinks):
-        path = sink.path
-        if path is None:
-            continue
-        complete, use = partial(sim.detach, sink), partial(_use, path)
-        if path == options.log and sim.time == 0.0:
-            complete()
-            progress.say(f"{path} is not written: nothing was simulated.")
-        else:
-            progress.say(f"Completing {path} ...")
-            kept = keep(path, complete, progress, use) and kept
-    return kept
-
-
-def _use(path: Path, pictures: int | None) -> str:
-    """Ends the sentence about a video with its pictures, or about a log."""
-    if pictures is None:
-        return f"; draw it: atlas-drake plot {path}"
-    return f", {pictures} pictures."
+    """Completes the log of a run; returns True on success."""
+    if options.log is None:
+        with suppress(AtlasError):  # Of a film alone, which shows what there is.
+            sim.close()
+        return True
+    if sim.time == 0.0:
+        sim.close()
+        progress.say(f"{options.log} is not written: nothing was simulated.")
+        return True
+    progress.say(f"Completing {options.log} ...")
+    use = f"; draw it: atlas-drake plot {options.log}"
+    return keep(options.log, sim.close, progress, lambda _none: use)
 
 
 def check_writable(option: str, path: Path) -> None:
@@ -138,21 +128,6 @@ def check_writable(option: str, path: Path) -> None:
     problem = why_not_writable(path)
     if problem is not None:
         raise ScenarioError(option, str(path), problem)
-
-
-def video_asked_for(options: argparse.Namespace) -> Video | None:
-    """Returns the settings of the video, if one is requested.
-
-    Raises:
-        VideoError: If it cannot be made.
-    """
-    if options.video is None:
-        return None
-    from atlas_drake.visualization.video_display import Video
-    from atlas_drake.visualization.video_file import check_video
-
-    check_video(options.video, *options.video_size)
-    return Video(options.video, *options.video_size)
 
 
 def cockpit_asked_for(
@@ -224,10 +199,24 @@ def keep_recording(
     return keep_text(options.record, meshcat.StaticHtml(), progress, use)
 
 
-def shown_of_log(names: Iterable[str], log: Log, progress: Progress) -> list[str]:
+def shown_of_log(names: Iterable[str], log: Log, progress: StatusLine) -> list[str]:
     """Returns the overlays that a log can show, and tells the user about the others."""
     logged = logged_overlays(log.scenario.log)
     for name in names:
         if name not in logged:
-            progress.say(f"Not shown: {why_not_logged(name)}")
+            progress.say(
+                f"Not shown: {name} ({OVERLAYS[name]}): this log was recorded without; "
+                f"record the run with --set log.{LOG_FIELDS[name]}=true"
+            )
     return [name for name in names if name in logged]
+
+
+def quiet_logs() -> None:
+    """Silences log messages that repeat the run's own lines or are irrelevant."""
+    # Refusals are events, which are printed with the others. A logger without any
+    # handler would still print to standard error.
+    ours = logging.getLogger("atlas_drake")
+    ours.propagate = False
+    ours.addHandler(logging.NullHandler())
+    # The address of the 3D view is printed separately.
+    logging.getLogger("drake").setLevel(logging.WARNING)

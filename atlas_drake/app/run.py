@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import logging
 import math
 import sys
 import threading
@@ -16,17 +15,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from atlas_drake.app import exit_status
+from atlas_drake.app.film import film_run, log_for_film, with_logged_overlays
 from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
     cockpit_asked_for,
     invite_viewer,
-    keep_files,
+    keep_log,
     keep_recording,
     keep_text,
     open_view,
+    quiet_logs,
     realtime_rate,
-    video_asked_for,
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
@@ -37,6 +37,7 @@ from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.tutorial import DURATION
+from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
@@ -110,9 +111,10 @@ def run_scenario(
     Raises:
         ScenarioError: If an option cannot be used; raised before the run.
     """
-    scenario = with_options(scenario, options)
+    scenario = with_logged_overlays(with_options(scenario, options), options)
     check_outputs(options, ("json", "record", "video", "log"))
-    video = video_asked_for(options)
+    if options.video is not None:
+        check_film(options.video, options.video_size)
     if options.log is not None:
         check_log_path(options.log)
     quiet_logs()
@@ -122,39 +124,42 @@ def run_scenario(
     overlays = Overlays(options.show, recorded=options.record is not None)
     cockpit = cockpit_asked_for(options, overlays)
     meshcat = open_view(options, progress, cockpit)
-    sim = AtlasSimulation(
-        scenario,
-        view=meshcat,
-        video=video,
-        on_event=progress.event,
-        overlays=overlays,
-        log=options.log,
-        **parts,
-    )
-    if cockpit is not None:
-        cockpit.join(sim)
-    invite_viewer(cockpit or meshcat, options, progress)
-    if options.realtime_rate is not None or not sim.realtime_rate:
-        sim.set_realtime_rate(realtime_rate(options))
+    filmed = exit_status.OK
+    with log_for_film(options) as log:
+        sim = AtlasSimulation(
+            scenario,
+            view=meshcat,
+            on_event=progress.event,
+            overlays=overlays,
+            log=log,
+            **parts,
+        )
+        if cockpit is not None:
+            cockpit.join(sim)
+        invite_viewer(cockpit or meshcat, options, progress)
+        if options.realtime_rate is not None or not sim.realtime_rate:
+            sim.set_realtime_rate(realtime_rate(options))
 
-    with nothing_cut_off():
-        try:
-            stopped = (simulate or _simulate)(sim, progress, cockpit)
-        finally:
-            # Also after a second Ctrl-C: unfinished files cannot be read.
-            kept = keep_files(sim, options, progress)
-        summary = sim.summary()
-        summary["stopped"] = stopped
-        if stopped is not None:
-            summary["success"] = False
-        progress.say(verdict(summary))
-        if options.json is not None:
-            text = json.dumps(_plain(summary), indent=2) + "\n"
-            kept = keep_text(options.json, text, progress) and kept
-        kept = keep_recording(meshcat, options, progress) and kept
-    if stopped == INTERRUPTED:
+        with nothing_cut_off():
+            try:
+                stopped = (simulate or _simulate)(sim, progress, cockpit)
+            finally:
+                # Also after a second Ctrl-C: unfinished files cannot be read.
+                kept = keep_log(sim, options, progress)
+            summary = sim.summary()
+            summary["stopped"] = stopped
+            if stopped is not None:
+                summary["success"] = False
+            progress.say(verdict(summary))
+            if options.json is not None:
+                text = json.dumps(_plain(summary), indent=2) + "\n"
+                kept = keep_text(options.json, text, progress) and kept
+            kept = keep_recording(meshcat, options, progress) and kept
+        if options.video is not None and log is not None:
+            filmed = film_run(log, options, progress, parts.get("world", ()))
+    if stopped == INTERRUPTED or filmed == exit_status.INTERRUPTED:
         return exit_status.INTERRUPTED
-    if not kept:
+    if not kept or filmed != exit_status.OK:
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
         keep_serving(progress.say)
@@ -246,17 +251,6 @@ def verdict(summary: dict[str, Any]) -> str:
         text = f"Failed: the robot did not end upright{steps}."
     factor = summary["real_time_factor"]
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
-
-
-def quiet_logs() -> None:
-    """Silences log messages that repeat the run's own lines or are irrelevant."""
-    # Refusals are events, which are printed with the others. A logger without any
-    # handler would still print to standard error.
-    ours = logging.getLogger("atlas_drake")
-    ours.propagate = False
-    ours.addHandler(logging.NullHandler())
-    # The address of the 3D view is printed separately.
-    logging.getLogger("drake").setLevel(logging.WARNING)
 
 
 def _plain(value: Any) -> Any:

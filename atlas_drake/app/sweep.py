@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from atlas_drake.app import exit_status
+from atlas_drake.app.film import film_run, log_for_film
 from atlas_drake.app.interrupts import nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
     invite_viewer,
-    keep_files,
+    keep_log,
     open_view,
-    video_asked_for,
 )
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
@@ -34,6 +34,8 @@ from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import shown
 from atlas_drake.logs.mcap_writer import check_log_path
+from atlas_drake.visualization import FILM_SIZE
+from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
@@ -184,31 +186,40 @@ def _one_trial(
             f"is {options.only}; the campaign has {trials} trials, 0 to {trials - 1}",
         )
     check_outputs(options, ("log", "video"))
+    if options.video is not None:
+        check_film(options.video, FILM_SIZE)
     if options.log is not None:
         check_log_path(options.log)
-    options.headless, options.record, options.video_size = not options.view, None, SIZE
+    options.headless, options.record, options.video_size = (
+        not options.view,
+        None,
+        FILM_SIZE,
+    )
     trial = make_trial(campaign, options.only, level_of(campaign, options.only))
     progress = Progress(sys.stdout, scenario_of(campaign, trial).duration)
     for path, value in {"seed": trial.seed, **trial.values}.items():
         progress.say(f"{path} = {value}")
     meshcat = open_view(options, progress)
     trial_runner = TrialRunner(campaign, sources)
-    sim = trial_runner.simulation(
-        trial,
-        view=meshcat,
-        overlays=Overlays(options.show),
-        log=options.log,
-        video=video_asked_for(options),
-        on_event=progress.event,
-    )
-    invite_viewer(meshcat, options, progress)
-    if options.view:
-        sim.set_realtime_rate(1.0)
-    try:
-        judged = trial_runner.judged(sim, trial)
-    finally:
-        with nothing_cut_off():
-            kept = keep_files(sim, options, progress)
+    with log_for_film(options) as log:
+        sim = trial_runner.simulation(
+            trial,
+            view=meshcat,
+            overlays=Overlays(options.show),
+            log=log,
+            on_event=progress.event,
+        )
+        invite_viewer(meshcat, options, progress)
+        if options.view:
+            sim.set_realtime_rate(1.0)
+        try:
+            judged = trial_runner.judged(sim, trial)
+        finally:
+            with nothing_cut_off():
+                kept = keep_log(sim, options, progress)
+        if options.video is not None and log is not None:
+            world = sources.all_parts().get("world", ())
+            kept = film_run(log, options, progress, world) == exit_status.OK and kept
     drawn = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
     record = as_kept(drawn | judged)
     for name, value in record["figures"].items():
@@ -220,10 +231,6 @@ def _one_trial(
     if options.view and interactive():
         keep_serving(progress.say)
     return exit_status.OK if judged["success"] else exit_status.FAILED
-
-
-SIZE = (960, 540)
-"""Of a video's pictures [pixel]."""
 
 
 def _why(judged: dict[str, Any]) -> str:

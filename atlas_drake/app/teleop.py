@@ -9,13 +9,13 @@ from collections.abc import Callable
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.outputs import quiet_logs
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
     PIECE,
     end_pause_on,
-    quiet_logs,
     scenario_of,
     verdict,
     with_options,

@@ -110,8 +110,8 @@ string if it can."""
 class BehaviorEntry(BehaviorInterface):
     """A behavior: how it is requested, made, entered, left and shown.
 
-    The fields of ``BehaviorInterface`` come first: name, number, params, check,
-    caption, color, description.
+    The fields of ``BehaviorInterface`` come first: name, number, params, check, color,
+    description.
 
     Attributes:
         make: The behavior's class, or another callable with the arguments

@@ -6,13 +6,15 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake.cockpit.walk_controls import WalkControls, marks_of
 from atlas_drake.messages import AtlasBehaviorStepData
+from atlas_drake.palette import FEET
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.footsteps import (
+    COMMANDED,
     FootstepMark,
-    Kind,
-    draw_footstep,
-    sole_outline,
+    mark_triangles,
 )
+from atlas_drake.visualization.meshcat_shapes import draw_solid
+from atlas_drake.visualization.solids import Solid
 
 PATH = "/atlas_drake/planned"
 MOST = 60
@@ -25,7 +27,8 @@ class PlanMarks:
     def __init__(self, meshcat: Meshcat, robot: Robot) -> None:
         """Shows no plan."""
         self._meshcat = meshcat
-        self._outline = sole_outline(robot.file.sole)
+        triangles = mark_triangles(COMMANDED, robot.file.sole)
+        self._soles = [Solid(triangles, color) for color in FEET]
         self._shown: tuple[AtlasBehaviorStepData, ...] = ()
         self._feet: list[int] = []
         meshcat.Delete(PATH)
@@ -39,9 +42,9 @@ class PlanMarks:
         places = marks_of(self._shown)[:MOST]
         for number, (foot, x, y, yaw) in enumerate(places):
             path = f"{PATH}/{number}"
-            mark = FootstepMark(Kind.COMMANDED, foot, x, y, yaw, height)
+            mark = FootstepMark(COMMANDED, foot, x, y, yaw, height)
             if number >= len(self._feet) or self._feet[number] != foot:
-                draw_footstep(self._meshcat, self._outline, path, mark)
+                draw_solid(self._meshcat, path, self._soles[foot])
                 self._feet[number : number + 1] = [foot]
             self._meshcat.SetTransform(path, mark.X_WF)
             self._meshcat.SetProperty(path, "visible", True)

@@ -16,7 +16,7 @@ from atlas_drake.records import Schema
 
 VERSION = 2
 """Version of the format: of topics, their messages, and the header."""
-KEPT = ("name", "number", "caption", "color", "description")
+KEPT = ("name", "number", "color", "description")
 """Fields of a user's own behavior that a log holds."""
 
 

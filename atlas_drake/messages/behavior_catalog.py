@@ -1,6 +1,6 @@
 """The catalog of behaviors, for commands and viewers.
 
-Name, number and parameters; caption, color and description. The control laws and entry
+Name, number and parameters; color and description. The control laws and entry
 conditions of a behavior are in ``behaviors``.
 """
 
@@ -52,8 +52,6 @@ class BehaviorInterface(Frozen):
         params: Dataclass of its parameters, all with defaults; None if it has none.
         check: Called with parameters and the path of their field before they are
             applied; raises ``InvalidMessageError`` for invalid parameters.
-        caption: Caption of the picture while the behavior is active; empty means its
-            name.
         color: Color in figures, such as ``#7cb342``.
         description: What the behavior does, in one sentence.
         params_field: Field of the command that holds the parameters.
@@ -63,7 +61,6 @@ class BehaviorInterface(Frozen):
     number: int
     params: type | None = None
     check: Callable[[Any, str], None] | None = None
-    caption: str = ""
     color: str = "#8d6e63"
     description: str = ""
     params_field: str = "params"
@@ -72,11 +69,6 @@ class BehaviorInterface(Frozen):
     def behavior(self) -> Behavior:
         """The behavior's value in reports, requests and ``current_behavior``."""
         return Behavior.named(self.number, self.name)
-
-    @property
-    def title(self) -> str:
-        """The caption, or the name without underscores if there is no caption."""
-        return self.caption or self.name.replace("_", " ")
 
     def faults(self) -> Iterator[str]:
         """Yields what prevents the registration of this entry."""

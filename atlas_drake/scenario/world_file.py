@@ -46,7 +46,7 @@ class WorldStart(Configuration):
 
 @dataclass(frozen=True)
 class View(Configuration):
-    """Initial camera of the 3D view, and camera of a video."""
+    """Initial camera of the 3D view, and camera of a film."""
 
     lens: Vector = field(default_factory=lambda: [3.3, -2.5, 1.45])
     """Position of the camera in W [m]."""
@@ -74,7 +74,7 @@ class World(Configuration):
     start: WorldStart = field(default_factory=WorldStart)
     """Start of the robot."""
     view: View | None = None
-    """Initial camera of the 3D view, and camera of a video; null for one in front of
+    """Initial camera of the 3D view, and camera of a film; null for one in front of
     the robot."""
     boxes: list[Block] = field(default_factory=list)
     """Boxes that do not move, as a scenario's ``terrain``."""

@@ -81,7 +81,7 @@ def build(
             from atlas_drake.visualization.viewer import start_meshcat
 
             meshcat = start_meshcat()
-        displays = _displays(robot, catalog, meshcat, overlays, writer)
+        displays = _displays(robot, meshcat, overlays, writer)
         diagram = make_control_mode_switch(robot, scenario, schedule, parts, displays)
         run = RunDiagram(robot, scenario, diagram, bool(world), array("d"))
         on_error.pop_all()
@@ -106,7 +106,6 @@ def check_type(name: str, value: object, kind: Any) -> None:
 
 def _displays(
     robot: Robot,
-    catalog: BehaviorCatalog,
     meshcat: Meshcat | None,
     overlays: Overlays | None,
     writer: McapWriter | None,
@@ -118,7 +117,6 @@ def _displays(
         yield partial(
             add_meshcat_view,
             robot=robot,
-            catalog=catalog,
             meshcat=meshcat,
             overlays=overlays,
         )

@@ -1,7 +1,9 @@
-"""The 3D view in Meshcat and videos: scene, footsteps, overlays and caption.
+"""The 3D view in Meshcat and films: scene, footsteps, overlays and colors of links.
 
-The displays read ports and never change the simulation.
+The displays read records and never change the simulation.
 """
 
 FRAME_RATE = 32.0
-"""Pictures of all displays per simulated second [1/s]."""
+"""Pictures of the 3D view per simulated second [1/s]."""
+FILM_SIZE = (960, 540)
+"""Default width and height of a film's pictures [pixel]."""

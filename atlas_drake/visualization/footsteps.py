@@ -6,13 +6,10 @@ All poses are poses of the sole frame, drawn level at the height of the ground.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from enum import Enum
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake.behaviors.footsteps import footstep_from
@@ -20,14 +17,23 @@ from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
 from atlas_drake.palette import FEET
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import SoleSize
-from atlas_drake.visualization.shapes import draw_flat, ribbons
+from atlas_drake.visualization.solids import (
+    Points,
+    Solid,
+    Triangles,
+    polygon,
+    ribbons,
+)
 
+LANDED, COMMANDED, SATURATED = "landed", "commanded", "saturated"
+MARK_LIFT = {LANDED: 0.003, COMMANDED: 0.004, SATURATED: 0.005}
+"""Kinds of footstep marks, and their heights above the ground [m]."""
 LANDED_OPACITY = 0.45
 VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
 """Changes of a step below this [m] or [rad] are shown as commanded."""
 HEIGHT_GRID = 0.002
 """Resolution of heights [m], so that a stance foot's small motion makes no new mark."""
-LINE_WIDTH = 0.008
+LINE_WIDTH = 0.012
 """Width of the outlines [m]."""
 CORNER_POINTS = 7
 """Points of each rounded corner."""
@@ -35,19 +41,10 @@ TOE_ROUNDING, HEEL_ROUNDING = 1.0, 0.55
 """Radius of the corners in half widths of the sole: rounder toes show the heading."""
 
 
-class Kind(Enum):
-    """Kind of a footstep mark; the value is its height above the ground [m]."""
+class FootstepMark(NamedTuple):
+    """A sole on level ground: position in W [m], heading [rad], height in W [m]."""
 
-    LANDED = 0.003
-    COMMANDED = 0.004
-    SATURATED = 0.005
-
-
-@dataclass(frozen=True)
-class FootstepMark:
-    """One sole on the ground; position in W [m], heading [rad], height in W [m]."""
-
-    kind: Kind
+    kind: str
     foot: int
     x: float
     y: float
@@ -57,7 +54,7 @@ class FootstepMark:
     @property
     def X_WF(self) -> RigidTransform:
         """Pose of the mark."""
-        p_WF: Any = np.array([self.x, self.y, self.z + self.kind.value])
+        p_WF: Any = np.array([self.x, self.y, self.z + MARK_LIFT[self.kind]])
         return RigidTransform(RotationMatrix.MakeZRotation(self.yaw), p_WF)
 
 
@@ -71,22 +68,22 @@ def footstep_marks(record: TickRecord) -> list[FootstepMark]:
         foot = event.data["foot"]
         commanded, saturated = event.data["commanded"], event.data["saturated"]
         z = event.data["landed_height"]
-        marks.append(_mark(Kind.LANDED, foot, event.data["landed"], z))
-        marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
+        marks.append(_mark(LANDED, foot, event.data["landed"], z))
+        marks.append(_mark(COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
-            marks.append(_mark(Kind.SATURATED, foot, saturated, z))
+            marks.append(_mark(SATURATED, foot, saturated, z))
     walk, step = record.walk, record.step
     if step.is_active:
         if step.t_step_rem > 0.0:
             z = step.desired_step_saturated.pose.position.z
             for foot, pose in _poses([step.desired_step_saturated]).values():
-                marks.append(_mark(Kind.COMMANDED, foot, pose, z))
+                marks.append(_mark(COMMANDED, foot, pose, z))
         return marks
     if not walk.is_active:
         for planned in record.footsteps:
             x, y, z = map(float, planned.p_WF)
             place = _steady([x, y, planned.yaw])
-            marks.append(_mark(Kind.COMMANDED, planned.foot, place, z))
+            marks.append(_mark(COMMANDED, planned.foot, place, z))
         return marks
     first = max(walk.current_step_index, 1)
     queue = walk.step_queue_saturated
@@ -101,13 +98,13 @@ def footstep_marks(record: TickRecord) -> list[FootstepMark]:
             if index >= first:
                 coming[index] = pose
                 z = heights.get(index, 0.0)
-                marks.append(_mark(Kind.COMMANDED, foot, pose, z))
+                marks.append(_mark(COMMANDED, foot, pose, z))
     for index, (foot, pose) in taken.items():
         # Steps of an earlier message are in the report only.
         known = index in coming
         if index < first or (known and not _differ(coming[index], pose)):
             continue
-        kind = Kind.SATURATED if known else Kind.COMMANDED
+        kind = SATURATED if known else COMMANDED
         marks.append(_mark(kind, foot, _steady(pose), heights[index]))
     return marks
 
@@ -121,15 +118,12 @@ def _poses(
 
 
 def _steady(pose: Sequence[float]) -> list[float]:
-    """Rounds x, y and yaw.
-
-    Balance moves a step a little all the time; small moves make no new mark.
-    """
+    """Rounds x, y and yaw: balance moves a step a little all the time."""
     grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
     return [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
 
 
-def _mark(kind: Kind, foot: int, pose: Sequence[float], z: float) -> FootstepMark:
+def _mark(kind: str, foot: int, pose: Sequence[float], z: float) -> FootstepMark:
     # Rounded, so that a step looks the same before and after it is taken.
     x, y, yaw = (round(float(value), 4) for value in pose)
     height = round(HEIGHT_GRID * round(z / HEIGHT_GRID), 4)
@@ -141,13 +135,31 @@ def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
     return shift > VISIBLE_SHIFT or abs(a[2] - b[2]) > VISIBLE_TURN
 
 
-def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
-    """Computes the outline of a sole, rounder at the toes.
+def mark_solid(mark: FootstepMark, sole: SoleSize) -> Solid:
+    """Makes the solid of a mark, with vertices in W."""
+    vertices, faces = mark_triangles(mark.kind, sole)
+    opacity = LANDED_OPACITY if mark.kind == LANDED else 1.0
+    return Solid((mark.X_WF @ vertices, faces), FEET[mark.foot], opacity)
 
-    Returns:
-        Points in the sole frame, counter-clockwise and not closed [m], shape
-        (3, number of points); z is zero.
+
+@cache
+def mark_triangles(kind: str, sole: SoleSize) -> Triangles:
+    """Makes the triangles of a mark in the sole's frame.
+
+    An outline shows a commanded step, dashes one that is not taken as commanded, a
+    filled sole one that has landed.
     """
+    outline = sole_outline(sole)
+    if kind == LANDED:
+        return polygon(outline)
+    every = slice(None, None, 2 if kind == SATURATED else 1)
+    return ribbons(
+        outline[:, every], np.roll(outline, -1, axis=1)[:, every], LINE_WIDTH
+    )
+
+
+def sole_outline(sole: SoleSize) -> Points:
+    """Computes the outline of a sole, counter-clockwise in its frame [m], (3, k)."""
     half = np.array([0.5 * sole.length, 0.5 * sole.width])
     points = []
     corners = [(1, 1, 0.0), (-1, 1, 0.5), (-1, -1, 1.0), (1, -1, 1.5)]
@@ -159,42 +171,3 @@ def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     outline = np.zeros((3, len(points)), order="F")
     outline[:2] = np.array(points).T
     return outline
-
-
-def mark_triangles(
-    kind: Kind, outline: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Computes the shape of a mark: filled, an outline, or dashes.
-
-    Returns:
-        Vertices in the sole frame [m], shape (3, any), and triangles, shape (3, any).
-    """
-    if kind is Kind.LANDED:
-        last = outline.shape[1] - 1
-        fan = [[0, i, i + 1] for i in range(1, last)]
-        return outline, np.array(fan, dtype=np.int32).T
-    every = slice(None, None, 2 if kind is Kind.SATURATED else 1)
-    starts = outline[:, every]
-    ends = np.roll(outline, -1, axis=1)[:, every]
-    return ribbons(starts, ends, LINE_WIDTH)
-
-
-def draw_footstep(
-    meshcat: Meshcat, outline: NDArray[np.float64], path: str, mark: object
-) -> None:
-    """Draws a ``FootstepMark`` in Meshcat.
-
-    An outline shows a commanded step, a dashed one a step that is not taken as
-    commanded, and a filled one a step that has landed.
-
-    Args:
-        meshcat: Meshcat instance to draw in.
-        outline: Outline of the sole, see ``sole_outline``.
-        path: Path of the object.
-        mark: The mark.
-    """
-    assert isinstance(mark, FootstepMark)
-    opacity = LANDED_OPACITY if mark.kind is Kind.LANDED else 1.0
-    color = Rgba(*FEET[mark.foot], opacity)
-    draw_flat(meshcat, path, *mark_triangles(mark.kind, outline), color)
-    meshcat.SetTransform(path, mark.X_WF)

@@ -2,86 +2,92 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
-from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.frozen import replace
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.caption import caption_lines, draw_line
-from atlas_drake.visualization.control_colors import ControlColors
-from atlas_drake.visualization.footsteps import draw_footstep, sole_outline
-from atlas_drake.visualization.marks import PERIOD, Marks
-from atlas_drake.visualization.overlay_marks import OverlayMarks
+from atlas_drake.systems.record_reader import RecordInputs
+from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.colors import LinkColors, joint_colors
+from atlas_drake.visualization.meshcat_shapes import MeshcatShapes
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.scene import CAMERA, Following, prepare_scene
-from atlas_drake.visualization.seen import ViewInputs, see
+from atlas_drake.visualization.scene import Following, prepare_scene
+from atlas_drake.visualization.shapes import shapes_of
 
 VISUALIZER = "/drake/visualizer"
-"""Where Drake's own visualiser draws the links."""
+"""Where Drake's own visualizer draws the links."""
 PATHS_EVERY = 4
-"""Pictures between updates of planned paths."""
+"""Pictures between updates of planned paths, which are slow to compute and change
+slowly."""
 
 
 class MeshcatView(CollectableSystem):
-    """Draws beside Drake's visualiser: footsteps, overlays, caption, colors of links.
+    """Draws beside Drake's visualizer: footsteps, overlays, colors of links.
 
-    Draws at a fixed rate, and whenever its diagram publishes. Input ports are those of
-    ``RecordInputs``.
+    Draws at a fixed rate, and whenever its diagram publishes. The paths that were read
+    last belong to the view and not to the Context, as all that it draws. Input ports
+    are those of ``RecordInputs``.
     """
 
-    def __init__(
-        self,
-        meshcat: Meshcat,
-        robot: Robot,
-        catalog: BehaviorCatalog,
-        overlays: Overlays,
-    ) -> None:
+    __slots__ = ()
+
+    def __init__(self, meshcat: Meshcat, robot: Robot, overlays: Overlays) -> None:
         """Draws in ``meshcat`` what is switched on."""
         super().__init__()
-        recorded = overlays.recorded
-        self.inputs = ViewInputs(self, overlays, PATHS_EVERY)
-        self._see = partial(see, robot=robot, catalog=catalog, overlays=overlays)
-        footstep = partial(draw_footstep, meshcat, sole_outline(robot.file.sole))
-        line = partial(draw_line, meshcat)
-        self._footsteps = Marks(meshcat, "/atlas_drake/footsteps", footstep, recorded)
-        self._caption = Marks(meshcat, f"{CAMERA}/caption", line, recorded)
+        self.inputs = RecordInputs(self)
+        self._robot, self._overlays = robot, overlays
+        self._pictures = 0
+        self._paths: PlannedPaths | None = None
         self._following = Following(meshcat, overlays)
-        self._shapes = OverlayMarks(meshcat, recorded)
-        self._colors = ControlColors(meshcat, VISUALIZER, robot)
-        self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._publish)
+        self._shapes = MeshcatShapes(meshcat, overlays.recorded)
+        self._colors = LinkColors(meshcat, VISUALIZER, robot)
+        self.DeclarePeriodicPublishEvent(1.0 / FRAME_RATE, 0.0, self._publish)
         self.DeclareForcedPublishEvent(self._publish)
-        # Drake's visualiser then draws everything anew.
+        # Drake's visualizer then draws everything anew.
         self.DeclareInitializationPublishEvent(lambda _context: self._colors.begin())
 
     def _publish(self, context: Context) -> None:
         """Draws the latest record completely, independent of earlier pictures."""
-        seen, time = self._see(self.inputs.shown(context)), context.get_time()
-        self._footsteps.show(seen.footsteps, time)
-        self._caption.show(caption_lines(seen.title, seen.notes), time)
-        self._following.show(seen.record)
-        self._shapes.show(seen.shapes, time)
+        on, time = self._overlays.on, context.get_time()
+        record = self._record(context)
+        self._following.show(record)
+        self._shapes.show(shapes_of(record, on, self._robot.file.sole), time)
         inspector = self.inputs.inspector(context)
-        self._colors.show(seen.joint_colors, inspector, time)
+        self._colors.show(joint_colors(record, on, self._robot), inspector, time)
+
+    def _record(self, context: Context) -> TickRecord:
+        """Returns the latest record; its costly parts only if they are shown."""
+        record, overlays = self.inputs.record(context), self._overlays
+        if overlays.is_on("forces"):
+            record = self.inputs.with_contacts(record, context)
+        if record.paths is not None:  # Of a replay.
+            return record
+        if not (overlays.is_on("plan") or overlays.is_on("swing")):
+            self._paths = None
+            return record
+        if self._paths is None or self._pictures % PATHS_EVERY == 0:
+            self._paths = self.inputs.with_paths(record, context).paths
+        self._pictures += 1
+        return replace(record, paths=self._paths)
 
 
 def add_meshcat_view(
     builder: DiagramBuilder,
     station: System,
     robot: Robot,
-    catalog: BehaviorCatalog,
     meshcat: Meshcat,
     overlays: Overlays | None = None,
 ) -> None:
-    """Adds the robot's visualiser, footsteps, overlays and caption, and sets the scene.
+    """Adds the robot's visualizer, footsteps and overlays, and sets the scene.
 
     Args:
         builder: Builder of the diagram that holds the station.
         station: An AtlasStation, or the replay of one.
         robot: Robot of the station.
-        catalog: Its behaviors.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
     """
@@ -91,9 +97,11 @@ def add_meshcat_view(
         station.GetOutputPort("query_object"),
         meshcat,
         MeshcatVisualizerParams(
-            publish_period=PERIOD, enable_alpha_slider=False, prefix=VISUALIZER
+            publish_period=1.0 / FRAME_RATE,
+            enable_alpha_slider=False,
+            prefix=VISUALIZER,
         ),
     )
-    view = MeshcatView(meshcat, robot, catalog, overlays or Overlays())
+    view = MeshcatView(meshcat, robot, overlays or Overlays())
     builder.AddNamedSystem("meshcat_view", view)
     view.inputs.connect(builder, station)

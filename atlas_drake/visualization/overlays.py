@@ -1,7 +1,4 @@
-"""Switches of the overlays, by name.
-
-Switches only; the overlays are drawn in the files beside this one.
-"""
+"""Switches of the overlays, by name; ``shapes`` and ``colors`` have what they show."""
 
 from __future__ import annotations
 
@@ -23,13 +20,12 @@ OVERLAYS = {
     "forces": "contact forces where the feet touch",
     "owner": "links colored by the user's share of their joint",
     "effort": "links colored by their joint's share of its effort limit",
-    "flags": "feedback flags in words",
     "follow": "the camera follows the robot; off, the mouse turns it",
 }
 """Names and descriptions of the overlays."""
 
-_NEEDED = {"plan": "paths", "swing": "paths", "forces": "contacts"}
-"""Field of a scenario's ``log`` that an overlay of a replay needs."""
+LOG_FIELDS = {"plan": "paths", "swing": "paths", "forces": "contacts"}
+"""Field of a scenario's ``log`` that an overlay of a log needs."""
 _COLORINGS = ("owner", "effort")
 """Overlays of which at most one is on, because a link has one color."""
 
@@ -38,11 +34,12 @@ class Overlays:
     """State of the switches.
 
     It may change while the simulation runs. It belongs to the view, as with Drake's own
-    visualisers, and not to the Context.
+    visualizers, and not to the Context.
 
     Attributes:
         recorded: True if Meshcat is recording already when the view is built. Then
             every picture is kept for the recording, and the recording has all overlays.
+        on: Names of the overlays that are shown.
     """
 
     def __init__(self, on: Iterable[str] = (), *, recorded: bool = False) -> None:
@@ -56,17 +53,13 @@ class Overlays:
             ScenarioError: If there is no such overlay.
         """
         self.recorded = recorded
-        self._on: set[str] = set()
+        self.on: frozenset[str] = frozenset()
         for name in on:
             self.switch(name, True)
 
     def is_on(self, name: str) -> bool:
-        """Returns True if an overlay is shown.
-
-        Args:
-            name: A key of ``OVERLAYS``.
-        """
-        return name in self._on
+        """Returns True if the overlay of a name is shown."""
+        return name in self.on
 
     def switch(self, name: str, on: bool) -> None:
         """Shows or hides an overlay; of the two colorings the later one counts.
@@ -84,41 +77,21 @@ class Overlays:
             raise ScenarioError(
                 "--show", name, f"there is no overlay {name!r}.{hint} Known are {known}"
             )
-        if on and name in _COLORINGS:
-            self._on.difference_update(_COLORINGS)
-        (self._on.add if on else self._on.discard)(name)
+        excluded = set(_COLORINGS) if on and name in _COLORINGS else {name}
+        self.on = self.on - excluded | ({name} if on else set())
 
 
 def logged_overlays(content: LogContent) -> tuple[str, ...]:
-    """Returns the overlays that a replay can show.
-
-    Args:
-        content: What the log holds.
-    """
+    """Returns the overlays that can be shown of a log with that content."""
     return tuple(
         name
         for name in OVERLAYS
-        if name not in _NEEDED or getattr(content, _NEEDED[name])
-    )
-
-
-def why_not_logged(name: str) -> str:
-    """Says what a log lacks for an overlay, and how to record it.
-
-    Args:
-        name: Name of the overlay.
-    """
-    return (
-        f"{name} ({OVERLAYS[name]}): this log was recorded without; record the run "
-        f"with --set log.{_NEEDED[name]}=true"
+        if name not in LOG_FIELDS or getattr(content, LOG_FIELDS[name])
     )
 
 
 def overlays_from(text: str) -> list[str]:
-    """Parses a list such as ``com,dcm``.
-
-    Args:
-        text: The list, or ``all`` or ``none``.
+    """Parses a list such as ``com,dcm``, or ``all`` or ``none``.
 
     Raises:
         ScenarioError: If there is no such overlay.

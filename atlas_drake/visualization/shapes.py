@@ -1,118 +1,140 @@
-"""Lines with a width in the plane, and curves in space with a thickness.
+"""What views show of a record beside the robot: shapes in W.
 
-Browsers draw Meshcat's own lines one pixel thin.
+The same for Meshcat and for films. Colors of links are in ``colors``.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Collection
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.geometry import Meshcat, Rgba
+from pydrake.math import RigidTransform, RotationMatrix
 
-Array = NDArray[np.float64]
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
+from atlas_drake.records import TickRecord
+from atlas_drake.robot import SoleSize
+from atlas_drake.visualization.footsteps import footstep_marks, mark_solid
+from atlas_drake.visualization.solids import Points, Solid, polygon, tube, turned
 
-SIDES = 6
-"""Number of sides of a tube's cross section."""
+
+class Shape(NamedTuple):
+    """A solid, and where it is.
+
+    Attributes:
+        name: Name of what is shown, the same at all times; several shapes may have it.
+        solid: The solid; of a shape that moves always the same one.
+        X_WS: Pose of the solid in W.
+        length: Factor along the solid's z axis.
+    """
+
+    name: str
+    solid: Solid
+    X_WS: RigidTransform = RigidTransform()
+    length: float = 1.0
 
 
-def ribbons(
-    starts: Array, ends: Array, width: float
-) -> tuple[Array, NDArray[np.int32]]:
-    """Makes rectangles along line segments in the plane z = 0.
+MOVING = {
+    "com_line": [(0.003, 0.0), (0.003, 1.0)],
+    "com_ball": [
+        (0.03 * np.sin(a), -0.03 * np.cos(a)) for a in np.linspace(0.0, np.pi, 11)
+    ],
+    "com": [(0.0, -0.002), (0.018, -0.002), (0.018, 0.002), (0.0, 0.002)],
+    "dcm": [(0.0, -0.002), (0.022, -0.002), (0.022, 0.002), (0.0, 0.002)],
+    "cop": [(0.0, -0.002), (0.014, -0.002), (0.014, 0.002), (0.0, 0.002)],
+    "forces": [(0.006, 0.0), (0.006, 0.85), (0.018, 0.85), (0.0, 1.0)],
+}
+"""Radii and heights of the solids that move [m]; line and arrow are one metre long."""
+TUBE = 0.005
+"""Radius of paths [m]."""
+LIFT = {"support": 0.006, "plan": 0.010, "com": 0.012, "dcm": 0.014, "cop": 0.016}
+"""Heights above the ground, all different, so that none hides another [m]."""
+FORCE_SCALE = 0.0012
+"""Length of an arrow per force [m/N]: the robot's weight on one corner is a metre."""
+MIN_HEIGHT = 0.1
+"""Lower bound of the center of mass' height, for a robot that lies on the ground
+[m]."""
+SUPPORT_OPACITY = 0.5
+AREA_GRID, CURVE_GRID, CURVE_POINTS = 0.002, 0.001, 40
+"""Grids to which the points of areas and curves are rounded [m], and the number of a
+curve's points: a recording keeps every shape that looks different."""
+
+
+def shapes_of(record: TickRecord, on: Collection[str], sole: SoleSize) -> list[Shape]:
+    """Makes what views show of a record, from the ground up: footsteps and overlays.
 
     Args:
-        starts: Starts of the segments [m], shape (3, n).
-        ends: Ends of the segments [m], shape (3, n).
-        width: Width of the lines [m]; the ends extend by half the width, which closes
-            the corners of chains.
-
-    Returns:
-        Vertices [m], shape (3, 4 n), and triangles, shape (3, 2 n).
+        record: The record; paths and contacts are shown as far as it has them.
+        on: Names of the overlays; those that are no shapes are ignored.
+        sole: Size of the robot's soles.
     """
-    count = starts.shape[1]
-    along = (ends - starts)[:2]
-    length = np.maximum(np.linalg.norm(along, axis=0), 1e-9)
-    along = 0.5 * width * along / length
-    across = np.array([-along[1], along[0]])
-    vertices = np.zeros((3, 4 * count), order="F")
-    vertices[:2, 0::4] = starts[:2] - along + across
-    vertices[:2, 1::4] = starts[:2] - along - across
-    vertices[:2, 2::4] = ends[:2] + along - across
-    vertices[:2, 3::4] = ends[:2] + along + across
-    first = 4 * np.arange(count)
-    faces = np.hstack([[first, first + 1, first + 2], [first, first + 2, first + 3]])
-    return vertices, faces.astype(np.int32)
+    marks = dict.fromkeys(footstep_marks(record))
+    footsteps = [Shape("footsteps", mark_solid(mark, sole)) for mark in marks]
+    return footsteps + overlay_shapes(record, on)
 
 
-def draw_flat(
-    meshcat: Meshcat, path: str, vertices: Any, faces: Any, color: Rgba
-) -> None:
-    """Draws triangles without shadow, for signs; shapes as ``ribbons`` returns them."""
-    points: Any = np.asfortranarray(vertices)
-    meshcat.SetTriangleMesh(path, points, faces, color)
-    meshcat.SetProperty(f"{path}/<object>", "castShadow", False)
+def overlay_shapes(record: TickRecord, on: Collection[str]) -> list[Shape]:
+    """Makes the shapes of overlays, from the ground up."""
+    ground = min(float(p_WF[2]) for p_WF in record.feet.positions)
+    balance, paths = record.balance, record.paths or PlannedPaths()
+    x, y, z = map(float, balance.com)
+    shapes: list[Shape] = []
+    if "support" in on and balance.support is not None:
+        corners = _rounded(_at(balance.support, ground + LIFT["support"]), AREA_GRID)
+        solid = Solid(polygon(corners.T), SUPPORT, SUPPORT_OPACITY, layer=1)
+        shapes.append(Shape("support", solid))
+    if "plan" in on:
+        for name, path, color in (("com", paths.com, COM), ("dcm", paths.dcm, DCM)):
+            if path is not None and len(path) > 1:
+                points = _at(path, ground + LIFT["plan"])
+                shapes.append(Shape(f"plan_{name}", _curve(points, color)))
+    if "swing" in on and paths.swing is not None and len(paths.swing) > 1:
+        shapes.append(Shape("swing", _curve(paths.swing, SWING)))
+    if "com" in on:
+        X_WS, height = _pose(x, y, ground), max(z - ground, MIN_HEIGHT)
+        shapes.append(Shape("com_line", _moving("com_line", COM), X_WS, height))
+        shapes.append(Shape("com_ball", _moving("com_ball", COM), _pose(x, y, z)))
+    places = {"com": balance.com, "dcm": balance.dcm, "cop": balance.cop}
+    for name, color in (("com", COM), ("dcm", DCM), ("cop", COP)):
+        place = places[name]
+        if name in on and place is not None:
+            X_WS = _pose(float(place[0]), float(place[1]), ground + LIFT[name])
+            shapes.append(Shape(name, _moving(name, color), X_WS))
+    if "forces" in on:
+        for number, contact in enumerate(record.contacts or ()):
+            length = float(np.linalg.norm(contact.force_W))
+            if length > 0.0:
+                R_WS = RotationMatrix.MakeFromOneVector(contact.force_W, 2)
+                X_WS = RigidTransform(R_WS, contact.p_WC)
+                arrow, size = _moving("forces", FORCE), FORCE_SCALE * length
+                shapes.append(Shape(f"forces/{number}", arrow, X_WS, size))
+    return shapes
 
 
-def thinned(points: Array, bend: float) -> Array:
-    """Removes points of a curve that do not change its look.
-
-    After Ramer (1972) and Douglas and Peucker (1973).
-
-    Args:
-        points: Points along the curve [m], shape (k, 3), k > 1.
-        bend: Greatest distance of a removed point from the result [m].
-
-    Returns:
-        Some of the points, first and last among them, shape (any, 3).
-    """
-    kept = {0, len(points) - 1}
-    pieces = [(0, len(points) - 1)]
-    while pieces:
-        first, last = pieces.pop()
-        between = points[first + 1 : last] - points[first]
-        if not len(between):
-            continue
-        chord = points[last] - points[first]
-        length = float(chord @ chord)
-        share = between @ chord / length if length > 0.0 else np.zeros(len(between))
-        nearest = np.outer(np.clip(share, 0.0, 1.0), chord)
-        away = np.linalg.norm(between - nearest, axis=1)
-        farthest = int(np.argmax(away))
-        if away[farthest] > bend:
-            middle = first + 1 + farthest
-            kept.add(middle)
-            pieces += [(first, middle), (middle, last)]
-    return points[sorted(kept)]
+@cache
+def _moving(name: str, color: Color) -> Solid:
+    """Makes a solid that moves but keeps its form, once."""
+    layer = 0 if name in ("com_line", "forces") else 2
+    return Solid(turned(MOVING[name]), color, layer=layer)
 
 
-def tube(points: Array, radius: float) -> tuple[Array, NDArray[np.int32]]:
-    """Makes a tube along a curve without long vertical parts.
+def _curve(points: Points, color: Color) -> Solid:
+    kept = np.linspace(0, len(points) - 1, min(len(points), CURVE_POINTS)).round()
+    curve = _rounded(points[kept.astype(int)], CURVE_GRID)
+    return Solid(tube(curve, TUBE), color)
 
-    Args:
-        points: Points along the curve [m], shape (k, 3), k > 1.
-        radius: Radius of the tube [m].
 
-    Returns:
-        Vertices [m], shape (3, SIDES k), and triangles, shape (3, 2 SIDES (k - 1)).
-    """
-    along = np.gradient(points, axis=0)
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
-    # Across a vertical part any horizontal direction is valid.
-    across = np.column_stack([-along[:, 1], along[:, 0], np.zeros(len(points))])
-    length = np.linalg.norm(across, axis=1, keepdims=True)
-    across = np.where(length > 1e-6, across / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])
-    up = np.cross(along, across)
-    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    rings = [
-        points + radius * (np.cos(angle) * across + np.sin(angle) * up)
-        for angle in angles
-    ]
-    vertices = np.stack(rings, axis=1).reshape(-1, 3).T
-    first = np.add.outer(SIDES * np.arange(len(points) - 1), np.arange(SIDES)).ravel()
-    beside = first - first % SIDES + (first + 1) % SIDES
-    faces = np.hstack(
-        [[first, beside, first + SIDES], [beside, beside + SIDES, first + SIDES]]
-    )
-    return vertices, faces.astype(np.int32)
+def _rounded(points: Points, grid: float) -> Points:
+    return grid * np.round(points / grid) + 0.0  # No -0.0, which would differ.
+
+
+def _at(flat: Points, height: float) -> Points:
+    """Adds a height [m] to points in the plane, shape (k, 2)."""
+    return np.column_stack([flat, np.full(len(flat), height)])
+
+
+def _pose(x: float, y: float, z: float) -> RigidTransform:
+    p_WS: Any = np.array([x, y, z])
+    return RigidTransform(p_WS)

@@ -50,7 +50,6 @@ BOW = BehaviorEntry(
     make=make_bow,
     params=BowParams,
     check=check_bow,
-    caption="bowing",
     color="#795548",
 )
 behaviors = [BOW]  # what --with takes from this file

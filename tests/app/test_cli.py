@@ -11,7 +11,6 @@ import sys
 import webbrowser
 from pathlib import Path
 
-import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
@@ -50,7 +49,8 @@ FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
         (["demo", "--help"], ["--log", ".mcap", "Foxglove"]),
         (["plot", "--help"], ["--output", "--channels", ".svg", "exit status"]),
         (["replay", "--help"], ["--record", "--realtime-rate", "--headless"]),
-        (["replay", "--help"], ["--video", "--show", "forces"]),
+        (["replay", "--help"], ["--record", "--show", "forces"]),
+        (["film", "--help"], ["--view", "--show", "forces"]),
     ],
 )
 def test_help_names_commands_and_options(arguments, words, capsys):
@@ -210,16 +210,16 @@ def test_ctrl_c_ends_a_run_and_its_files_are_complete(scenario, tmp_path, capsys
 
 
 @pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
-def test_a_recording_has_the_motion_and_the_caption(
-    options, scenario, tmp_path, capsys
-):
+def test_a_recording_has_the_motion_and_the_shapes(options, scenario, tmp_path, capsys):
     page = tmp_path / "out.html"
-    assert main(["run", scenario(), "--record", str(page), *options]) == 0
+    assert (
+        main(["run", scenario(), "--record", str(page), "--show", "com", *options]) == 0
+    )
     assert str(page) in capsys.readouterr().out
     animation = animation_in(page)
     assert b"/visualizer/atlas/pelvis" in animation
     # Shown from the very first picture on, which is hence part of the recording.
-    assert b"/caption/0" in animation
+    assert b"/shapes/com_ball/" in animation
     assert b".visible" in animation
 
 
@@ -397,33 +397,13 @@ def test_a_full_disk_loses_one_file_and_no_other(full, scenario, tmp_path, capsy
     out = capsys.readouterr().out
     assert f"{lost} is lost: No space left on device" in out
     assert "Success: the robot is upright after 0.1 s" in out
+    if full == "--log":  # A film is made of the log.
+        assert f"{files.pop('--video')} is lost" in out
     assert all(file.stat().st_size > 1000 for file in files.values())
     if full == "--log":  # Which is noticed, and told, while the run goes on.
         told = f"{lost}: cannot be written: No space left on device; the run"
         events = json.loads(files["--json"].read_text())["events"]
         assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
-
-
-def test_a_video_that_cannot_be_finished_is_deleted(tmp_path, largest_file):
-    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
-    from atlas_drake.visualization.video_file import VideoError, VideoFile
-
-    def film_noise(file):
-        noise = np.random.default_rng(1)
-        for _ in range(100):
-            file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
-        file.close()
-
-    for name in ("a.gif", "a.mp4"):
-        file = VideoFile(tmp_path / name, 25, 64, 48)
-        with (
-            largest_file(3000),
-            pytest.raises(VideoError, match=f"{name}: cannot be written: File too la"),
-        ):
-            film_noise(file)
-        assert not file.is_open
-        file.close()
-    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(

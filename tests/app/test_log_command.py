@@ -1,13 +1,11 @@
 """Logs on the command line: --log, plot, export and replay."""
 
-import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
+from atlas_drake import AtlasSimulation, Scenario, read_log
 from atlas_drake.app import log as log_command
 from atlas_drake.app.main import main
-from atlas_drake.scenario.world_file import View, World
 
 from .conftest import animation_in
 
@@ -82,8 +80,6 @@ def test_channels_are_listed_and_drawn(log_file, tmp_path, capsys):
         (["replay", "TMP/none.mcap", "--record", "TMP/a.html"], "no such"),
         (["replay", "LOG", "--headless"], "--record"),
         (["replay", "LOG", "--record", "TMP/none/a.html"], "there is no folder"),
-        (["replay", "LOG", "--video", "TMP/none/a.mp4"], "there is no folder"),
-        (["replay", "LOG", "--video", "TMP/a.avi"], ".mp4 or .gif"),
     ],
 )
 def test_arguments_that_cannot_be_used_are_named_in_one_line(
@@ -151,56 +147,6 @@ def test_ctrl_c_stops_a_replay_and_keeps_its_recording(
     assert page.exists()
 
 
-@pytest.mark.slow
-def test_a_replay_is_filmed_as_the_run_was(tmp_path, capsys, monkeypatch):
-    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
-    from atlas_drake.visualization.video_display import Video
-    from atlas_drake.visualization.video_file import VideoFile
-
-    pictures, add = [], VideoFile.add
-
-    def notice(self, picture):
-        pictures.append(picture)
-        add(self, picture)
-
-    # What is encoded is compared: the codec changes pictures a little.
-    monkeypatch.setattr(VideoFile, "add", notice)
-    log, live, again = (tmp_path / name for name in ("a.mcap", "a.mp4", "b.mp4"))
-    # A log has the state at control ticks, a film that at the last physics step: here
-    # each picture finds both at one instant. A camera that follows the robot would be
-    # a tick behind in a run.
-    still = World(view=View())
-    scenario = Scenario(physics_step=0.002, control_period=0.004, world=still)
-    with AtlasSimulation(scenario, log=log, video=Video(live, 192, 108)) as sim:
-        command = AtlasCommand()
-        command.k_effort = [255] + 27 * [0]
-        sim.publish(command)
-        sim.advance_to(0.1)
-    options = ["--headless", "--video", str(again), "--video-size", "192x108"]
-    assert main(["replay", str(log), *options]) == 0
-    assert f"Wrote {again}, 3 pictures." in capsys.readouterr().out
-    assert len(pictures) == 6
-    # The first picture of a run comes before its first tick, in which the log begins.
-    for filmed, replayed in zip(pictures[1:3], pictures[4:], strict=True):
-        np.testing.assert_array_equal(filmed, replayed)
-    assert not np.array_equal(pictures[4], pictures[5])
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_stops_a_replay_and_its_film_can_be_played(
-    log_file, tmp_path, capsys, monkeypatch
-):
-    av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
-    monkeypatch.setattr(log_command, "PIECE", 0.05)
-    film = tmp_path / "replay.mp4"
-    options = ["--headless", "--video", str(film), "--video-size", "64x64"]
-    assert main(["replay", str(log_file), *options]) == 130
-    assert "Stopped at 0.1 s" in capsys.readouterr().out
-    with av.open(str(film)) as video:
-        assert len(list(video.decode(video=0))) == 2
-
-
 def test_a_replay_is_recorded_with_the_overlays_of_show(log_file, tmp_path, capsys):
     page = tmp_path / "replay.html"
     options = ["--headless", "--record", str(page), "--show", "com,cop"]
@@ -209,9 +155,9 @@ def test_a_replay_is_recorded_with_the_overlays_of_show(log_file, tmp_path, caps
     assert page.read_text().rstrip().endswith("</html>")
     animation = animation_in(page)
     assert b"/visualizer/atlas/pelvis" in animation
-    assert b"/overlays/com_ball" in animation
-    assert b"/overlays/cop" in animation
-    assert b"/overlays/dcm" not in animation
+    assert b"/shapes/com_ball" in animation
+    assert b"/shapes/cop" in animation
+    assert b"/shapes/dcm" not in animation
 
 
 def test_replay_names_overlays_that_a_log_lacks_and_shows_the_others(
@@ -224,5 +170,5 @@ def test_replay_names_overlays_that_a_log_lacks_and_shows_the_others(
     assert "forces" in out
     assert "--set log.contacts=true" in out
     animation = animation_in(page)
-    assert b"/overlays/com_ball" in animation
-    assert b"/overlays/forces" not in animation
+    assert b"/shapes/com_ball" in animation
+    assert b"/shapes/forces" not in animation

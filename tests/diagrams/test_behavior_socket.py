@@ -33,7 +33,6 @@ from atlas_drake.diagrams.atlas_station import (
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
-from atlas_drake.visualization.caption import caption_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
 
@@ -104,7 +103,6 @@ def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
         assert sim.current_behavior == 100
         assert sim.current_behavior.name == "BOW"
         assert sim.atlas_sim_interface_state.current_behavior is sim.current_behavior
-        assert caption_of(sim.record, sim.behaviors)[0] == "bowing"
         assert sim.atlas_state.position[back] - upright > 0.15
         sim.publish(asked("STAND"))
         sim.wait_until(lambda sim: sim.current_behavior is Behavior.STAND)
@@ -117,7 +115,6 @@ def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     assert log.commands[0].message.params == {"depth": 0.3}
     assert log.header.catalog.find("BOW") == 100
     assert log.header.catalog.entry(log.behavior(100)).color == bow.color
-    assert caption_of(log.record(row), log.header.catalog)[0] == "bowing"
 
 
 @pytest.mark.parametrize(

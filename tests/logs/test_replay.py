@@ -17,9 +17,10 @@ from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.frozen import replace
 from atlas_drake.scenario.scenario import LogContent
 from atlas_drake.scenario.terrain import Block
-from atlas_drake.visualization.overlay_marks import PATH
+from atlas_drake.visualization.colors import joint_colors
+from atlas_drake.visualization.meshcat_shapes import PATH
 from atlas_drake.visualization.overlays import OVERLAYS, Overlays, logged_overlays
-from atlas_drake.visualization.seen import see
+from atlas_drake.visualization.shapes import shapes_of
 
 from .conftest import walk_command
 
@@ -83,28 +84,27 @@ def test_the_record_is_that_of_the_tick_before_as_in_a_run(log):
 
 def test_what_is_seen_is_what_was_seen(recorded):
     sim, log, records = recorded
-    replayed, catalog, shown = Replayed(log), log.header.catalog, set()
-    for on in (OVERLAYS, ["owner"]):
-        overlays = Overlays(on)
-        for record in (*records, sim.record):
-            # As in the run, a picture has the paths that were planned last.
-            again = replayed.at(record.time + 1e-3)
-            live = replace(record, paths=again.paths)
-            was = see(live, sim.robot, catalog, overlays)
-            is_now = see(again, log.robot, catalog, overlays)
-            for name in ("record", "title", "notes", "footsteps", "joint_colors"):
-                assert getattr(is_now, name) == getattr(was, name), name
-            for a, b in zip(is_now.shapes, was.shapes, strict=True):
-                assert (a.name, a.kind) == (b.name, b.kind)
-                np.testing.assert_array_equal(a.points, b.points)
-            shown |= {one.name for one in was.shapes}
+    replayed, sole, shown = Replayed(log), sim.robot.file.sole, set()
+    for record in (*records, sim.record):
+        # As in the run, a picture has the paths that were planned last.
+        again = replayed.at(record.time + 1e-3)
+        live = replace(record, paths=again.paths)
+        assert again == live
+        was = shapes_of(live, OVERLAYS, sole)
+        is_now = shapes_of(again, OVERLAYS, sole)
+        for a, b in zip(is_now, was, strict=True):
+            assert (a.name, a.solid.key, a.length) == (b.name, b.solid.key, b.length)
+            assert a.X_WS.IsExactlyEqualTo(b.X_WS)
+        for on in (["owner"], ["effort"]):
+            colors = joint_colors(live, on, sim.robot)
+            assert joint_colors(again, on, log.robot) == colors
+        shown |= {one.name for one in was}
     assert {"support", "plan_com", "cop"} <= shown
-    assert len(was.footsteps) >= 4
-    assert was.title.startswith("WALK")
+    assert sum(one.name == "footsteps" for one in was) >= 4
     assert again.request == walk_command()
 
 
-def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
+def test_a_replay_shows_robot_footsteps_and_balance(log):
     meshcat = Meshcat()
     overlays = Overlays(logged_overlays(log.scenario.log))
     simulator = Simulator(make_replay(log, meshcat, overlays))
@@ -112,11 +112,11 @@ def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
         overlays.switch(name, True)
         simulator.AdvanceTo(simulator.get_context().get_time() + 0.05)
     assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
-    for mark in ("com_ball", "dcm", "cop", "support/0"):
-        assert meshcat.HasPath(f"{PATH}/{mark}")
+    for name in ("com_ball", "dcm", "cop", "support"):
+        assert meshcat.HasPath(f"{PATH}/{name}")
     assert not meshcat.HasPath(f"{PATH}/forces")
     simulator.AdvanceTo(log.time[-1])
-    assert meshcat.HasPath("/atlas_drake/footsteps/0")
+    assert meshcat.HasPath(f"{PATH}/footsteps")
 
 
 def test_contact_forces_are_shown_if_the_scenario_asks_for_them(tmp_path):
@@ -131,7 +131,7 @@ def test_contact_forces_are_shown_if_the_scenario_asks_for_them(tmp_path):
     assert record.paths is None
     weight = sum(contact.force_W[2] for contact in record.contacts)
     assert weight == pytest.approx(sum(record.feet.loads), rel=0.2)
-    shapes = see(record, log.robot, log.header.catalog, overlays).shapes
+    shapes = shapes_of(record, overlays.on, log.robot.file.sole)
     assert sum(shape.name.startswith("forces") for shape in shapes) == len(
         record.contacts
     )

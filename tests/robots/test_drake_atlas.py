@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.geometry import Mesh
 
 from atlas_drake import (
     AtlasCommand,
@@ -13,7 +14,7 @@ from atlas_drake import (
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import tutorial_schedule
-from atlas_drake.visualization.control_colors import gltf_triangles
+from atlas_drake.visualization.colors import painted
 
 
 @pytest.fixture(scope="module")
@@ -68,9 +69,11 @@ def test_fixed_bodies_belong_to_their_link(robot):
 
 
 def test_the_meshes_can_be_colored(robot):
-    vertices, faces = gltf_triangles(robot.urdf.parent / "meshes" / "r_hand.gltf")
-    assert vertices.shape[0] == faces.shape[0] == 3
-    assert faces.max() < vertices.shape[1]
+    file = robot.urdf.parent / "meshes" / "r_hand.gltf"
+    mesh = painted(file, (0.9, 0.5, 0.1))
+    assert [*mesh.source().in_memory().supporting_files] == ["r_hand.bin"]
+    own = Mesh(str(file)).GetConvexHull()
+    assert mesh.GetConvexHull().num_vertices() == own.num_vertices()
 
 
 def test_the_tutorial_knows_its_joints(robot):

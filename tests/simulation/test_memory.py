@@ -64,7 +64,6 @@ def test_every_system_of_this_package_can_be_freed():
     for name in (
         "logs.log_player",
         "visualization.meshcat_view",
-        "visualization.video_display",
     ):
         importlib.import_module(f"atlas_drake.{name}")
     ours = [

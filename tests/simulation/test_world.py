@@ -27,7 +27,6 @@ from atlas_drake import (
 )
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.replay import make_replay
-from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.world import WorldError
@@ -347,25 +346,3 @@ def test_a_log_holds_how_the_world_moved_and_replay_shows_it(tmp_path):
 def ball_beside(plant):
     added = body(plant, "beside", Sphere(0.1), 3.0, link="ball")
     plant.SetDefaultFloatingBaseBodyPose(added, RigidTransform([0.0, 2.0, 1.0]))
-
-
-@pytest.mark.slow
-def test_a_video_shows_the_world():
-    pytest.importorskip("PIL")
-    from atlas_drake.visualization.video_camera import camera_pose
-    from atlas_drake.visualization.video_stage import VideoStage
-
-    robot = load_robot()
-    pictures = []
-    for world in ([], [ball]):
-        stage = VideoStage(robot, (), 96, 64, world)
-        plant = robot.plant if not world else stage._plant
-        q = plant.GetPositions(plant.CreateDefaultContext())
-        if world:
-            q[-3:] = [0.8, 0.0, 1.0]
-        assert stage.num_positions == q.size
-        pose = camera_pose(np.array([0.0, 0.0, 0.9]), 0.0)
-        pictures.append(stage.picture(q, (), pose).astype(int))
-    red = [np.sum((p[:, :, 0] > 120) & (p[:, :, 1] < 60)) for p in pictures]
-    assert red[0] == 0
-    assert red[1] > 5

@@ -1,167 +1,142 @@
-"""The 3D view as a whole: its contents, and a run that does not depend on it."""
+"""The 3D view: its contents, live and in a recording, and that it changes no run."""
 
 import numpy as np
 import pytest
 from pydrake.geometry import Meshcat
+from pydrake.math import RigidTransform
 
 from atlas_drake import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
+    Behavior,
+    Scenario,
 )
-from atlas_drake.visualization.marks import PERIOD, SPARE, Marks, Timeline
-from atlas_drake.visualization.scene import CAMERA
+from atlas_drake.palette import COM
+from atlas_drake.visualization.colors import COVER
+from atlas_drake.visualization.meshcat_shapes import (
+    PATH,
+    SPARE,
+    MeshcatShapes,
+    Visibility,
+)
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.shapes import Shape
+from atlas_drake.visualization.solids import Solid, polygon
 
-SHORT = 0.1
+LINK = "/drake/visualizer/atlas/l_uarm/atlas/l_uarm_visual"
+SWINGING = 1.5
+"""When a foot is in the air if WALK is asked for at the start [s]."""
 
 
 class Recording:
-    """Plays properties back as a browser does."""
+    """A Meshcat that plays properties back as a browser does."""
 
     def __init__(self):
-        self.keys, self.unrecorded = {}, {}
+        self.keys, self.unrecorded, self.drawn, self.deleted = {}, {}, [], []
 
     def SetProperty(self, path, name, value, time=None):
         if time is None:
             self.unrecorded[path, name] = value
-            return
-        self.keys.setdefault((path, name), {})[time] = value
+        else:
+            self.keys.setdefault((path, name), {})[time] = value
 
-    def visible(self, path, time):
-        """Switches hold until the next one; the first counts from the beginning."""
-        keys = sorted(self.keys[path, "visible"].items())
-        return ([keys[0][1]] + [value for at, value in keys if at <= time])[-1]
+    def SetTransform(self, path, pose, time):
+        self.keys.setdefault((path, "pose"), {})[time] = pose
 
-    def number(self, path, name, time):
-        """Numbers fade from key to key."""
-        keys = sorted(self.keys[path, name].items())
-        return float(np.interp(time, *zip(*keys, strict=True)))
-
-
-class Recorder:
-    """A Meshcat that only remembers what it is told."""
-
-    def __init__(self):
-        self.deleted = []
-        self.properties = []
+    def SetTriangleMesh(self, path, *_):
+        self.drawn.append(path.removesuffix("/solid"))
 
     def Delete(self, path):
         self.deleted.append(path)
+        self.drawn = [one for one in self.drawn if not one.startswith(path)]
 
-    def SetProperty(self, path, name, value, time=None):
-        self.properties.append((path, name, value, time))
+    def visible(self, time):
+        """Paths of the objects that are seen; a first key holds from the beginning."""
+        seen = set()
+        for path, name in self.keys:
+            if name == "visible" and path in self.drawn:
+                keys = sorted(self.keys[path, name].items())
+                if ([keys[0][1]] + [shown for at, shown in keys if at <= time])[-1]:
+                    seen.add(path)
+        return seen
 
 
-def test_an_object_shown_later_is_hidden_before():
+def mark(name, x=0.0, pose=None):
+    """A triangle at a place of its own."""
+    corners = np.array([[x, x + 1.0, x], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    return Shape(name, Solid(polygon(corners), COM), pose or RigidTransform())
+
+
+def test_an_object_that_changes_later_was_different_before():
     recording = Recording()
-    timeline = Timeline(recording)
-    timeline.show("/late", True, 2.0)
-    timeline.show("/late", True, 3.0)
-    timeline.show("/late", False, 4.0)
-    seen = [recording.visible("/late", time) for time in (0.0, 1.9, 2.0, 3.9, 4.0)]
-    assert seen == [False, False, True, True, False]
+    recording.drawn = ["/late", "/link", "/start"]
+    visibility = Visibility(recording)
+    visibility.show("/start", True, 0.0)
+    for time, shown in ((2.0, True), (3.0, True), (4.0, False)):
+        visibility.show("/late", shown, time)
+        visibility.show("/link", not shown, time)
+    both = {"/late", "/link"}
+    for time, seen in ((0.0, {"/link"}), (1.9, {"/link"}), (2.0, {"/late"})):
+        assert recording.visible(time) & both == seen, time
+    assert recording.visible(4.0) & both == {"/link"}
+    assert recording.keys["/start", "visible"] == {0.0: True}
     assert len(recording.keys["/late", "visible"]) == 3
-    # Nor is it while the recording is being loaded.
-    assert recording.unrecorded == {("/late", "visible"): False}
+    # Nor is it there while the recording is being loaded.
+    assert recording.unrecorded["/late", "visible"] is False
 
 
-def test_an_object_hidden_later_is_shown_before():
+def test_a_recording_shows_each_shape_at_its_time():
     recording = Recording()
-    timeline = Timeline(recording)
-    timeline.show("/link", False, 2.0)
-    assert recording.visible("/link", 0.0)
-    assert not recording.visible("/link", 2.0)
+    shapes = MeshcatShapes(recording, True)
+    for time, x in ((0.0, 1.0), (1.0, 2.0), (2.0, 1.0), (3.0, 1.0)):
+        shapes.show([mark("step", x)], time)
+    first, second = recording.drawn
+    seen = [recording.visible(time) for time in (0.0, 1.0, 2.0, 3.0)]
+    assert seen == [{first}, {second}, {first}, {first}]
 
 
-def test_an_object_shown_from_the_beginning_has_one_key():
+def test_a_shape_that_moves_keeps_its_object():
     recording = Recording()
-    Timeline(recording).show("/start", True, 0.0)
-    assert recording.keys == {("/start", "visible"): {0.0: True}}
+    shapes = MeshcatShapes(recording, True)
+    for time in (0.0, 1.0):
+        pose = RigidTransform([1.0 + time, 0.0, 0.0])
+        shapes.show([mark("disc", pose=pose)._replace(length=2.0)], time)
+    (path,) = recording.drawn
+    poses = recording.keys[path, "pose"]
+    assert [poses[t].translation()[0] for t in (0.0, 1.0)] == [1.0, 2.0]
+    assert recording.keys[f"{path}/solid", "scale"][1.0] == [1.0, 1.0, 2.0]
 
 
-def test_a_number_stays_until_the_next_one():
+def test_a_new_run_draws_anew():
     recording = Recording()
-    timeline = Timeline(recording)
-    for picture in range(100):
-        timeline.jump("/link", "red", 0.2 if picture < 60 else 0.9, picture * PERIOD)
-    assert len(recording.keys["/link", "red"]) == 3
-    for picture, red in ((0, 0.2), (30, 0.2), (59, 0.2), (60, 0.9), (99, 0.9)):
-        shown = recording.number("/link", "red", picture * PERIOD)
-        assert shown == pytest.approx(red), picture
-
-
-def test_marks_are_drawn_once_and_then_shown_or_hidden():
-    recorder, drawn = Recorder(), []
-    marks = Marks(
-        recorder, "/marks", lambda path, mark: drawn.append((path, mark)), True
-    )
-    marks.show(["a"], 0.0)
-    marks.show(["b"], 1.0)
-    marks.show(["a"], 2.0)
-    marks.show(["a"], 3.0)
-    assert drawn == [("/marks/0", "a"), ("/marks/1", "b")]
-    assert recorder.properties == [
-        ("/marks/0", "visible", True, 0.0),
-        ("/marks/0", "visible", False, 1.0),
-        # Where a recording begins b is yet to come.
-        ("/marks/1", "visible", False, 0.0),
-        ("/marks/1", "visible", False, None),
-        ("/marks/1", "visible", True, 1.0),
-        ("/marks/1", "visible", False, 2.0),
-        ("/marks/0", "visible", True, 2.0),
-    ]
-
-
-def test_a_new_run_deletes_the_marks():
-    recorder, drawn = Recorder(), []
-    marks = Marks(recorder, "/marks", lambda path, _mark: drawn.append(path), True)
-    marks.show(["a"], 5.0)
-    recorder.deleted.clear()
-    marks.show(["a"], 0.0)
-    assert recorder.deleted == ["/marks"]
-    assert drawn == ["/marks/0", "/marks/0"]
+    shapes = MeshcatShapes(recording, True)
+    shapes.show([mark("step")], 5.0)
+    shapes.show([mark("step")], 0.0)
+    assert recording.deleted == [PATH, PATH]
+    assert len(recording.drawn) == 1
 
 
 @pytest.mark.parametrize("recorded", [False, True])
-def test_marks_are_reused_unless_recorded(recorded):
-    recorder, drawn = Recorder(), {}
-    marks = Marks(recorder, "/marks", drawn.__setitem__, recorded)
-    seen = {}
-    for number in range(100):
-        marks.show([number, "always"], float(number))
-        for path, name, value, _time in recorder.properties:
-            if name == "visible":
-                seen[path] = value
-        visible = {drawn[path] for path, shown in seen.items() if shown}
-        assert visible == {number, "always"}
-    assert len(drawn) == (101 if recorded else SPARE + 2)
-
-
-def test_a_reused_mark_may_be_drawn_again():
-    recorder, drawn = Recorder(), {}
-    marks = Marks(recorder, "/marks", drawn.__setitem__, False)
+def test_few_hidden_objects_are_kept_unless_recorded(recorded):
+    recording = Recording()
+    shapes = MeshcatShapes(recording, recorded)
+    always = mark("always")
     for time, number in enumerate([*range(50), 0, 49]):
-        marks.show([number], float(time))
-    path, _, visible, _ = recorder.properties[-1]
-    assert (drawn[path], visible) == (49, True)
-    assert 0 in drawn.values()
+        shapes.show([mark("step", float(number)), always], float(time))
+        assert len(recording.visible(time)) == 2
+    assert len(recording.drawn) == (51 if recorded else SPARE + 2)
+    assert len({*recording.drawn}) == len(recording.drawn)
 
 
-def test_the_view_has_robot_ground_caption_and_footsteps():
+def test_the_view_has_robot_ground_and_footsteps():
     meshcat = Meshcat()
     sim = AtlasSimulation(view=meshcat)
-    sim.advance_to(SHORT)
-    for path in (
-        "/drake/visualizer",
-        "/atlas_drake/ground/slab",
-        "/atlas_drake/ground/bold",
-        f"{CAMERA}/caption/0",
-        f"{CAMERA}/caption/1",
-    ):
+    sim.advance_to(0.1)
+    for path in ("/drake/visualizer", "/atlas_drake/ground/bold"):
         assert meshcat.HasPath(path), path
-    assert not meshcat.HasPath("/atlas_drake/footsteps/0")
-    command = AtlasSimInterfaceCommand()
-    command.behavior = command.WALK
+    assert not meshcat.HasPath(PATH)
+    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
     for place in range(2):
         step = AtlasBehaviorStepData()
         step.step_index, step.foot_index, step.duration = place + 1, place, 0.63
@@ -169,9 +144,29 @@ def test_the_view_has_robot_ground_caption_and_footsteps():
         step.swing_height = 0.1
         command.walk_params.step_queue[place] = step
     sim.publish(command)
-    sim.advance_to(1.5 * SHORT)
-    for path in ("/atlas_drake/footsteps/0", "/atlas_drake/footsteps/1"):
-        assert meshcat.HasPath(path), path
+    sim.advance_to(0.15)
+    assert meshcat.HasPath(f"{PATH}/footsteps/0")
+    assert meshcat.HasPath(f"{PATH}/footsteps/1")
+
+
+def test_links_are_covered_by_copies_while_they_are_colored():
+    meshcat, overlays = Meshcat(), Overlays(["owner"])
+    sim = AtlasSimulation(view=meshcat, overlays=overlays)
+    for _ in range(2):
+        sim.advance(0.04)
+        assert meshcat.HasPath(f"{LINK}{COVER}/0")
+        assert not meshcat.HasPath(f"{LINK}{COVER}/1")  # All are the behavior's.
+        assert visible(meshcat, f"{LINK}{COVER}/0")
+        assert not visible(meshcat, LINK)
+        sim.reset()  # Drake's visualizer begins anew.
+    overlays.switch("owner", False)
+    sim.advance(0.04)
+    assert visible(meshcat, LINK)
+
+
+def visible(meshcat, path):
+    """Whether Meshcat shows an object; a message ends with its value."""
+    return meshcat._GetPackedProperty(path, "visible")[-1:] != b"\xc2"
 
 
 def test_a_simulation_opens_its_view_and_prints_the_address(capsys):
@@ -181,3 +176,40 @@ def test_a_simulation_opens_its_view_and_prints_the_address(capsys):
     assert address.startswith("http://localhost:")
     assert sim.realtime_rate == 1.0
     assert sim.meshcat.HasPath("/drake/visualizer")
+
+
+@pytest.mark.slow
+def test_a_walk_has_a_plan_and_a_swing_that_overlays_show_once_switched_on():
+    meshcat, overlays = Meshcat(), Overlays()
+    sim = AtlasSimulation(view=meshcat, overlays=overlays)
+    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
+    command.walk_params.use_demo_walk = True
+    sim.publish(command)
+    sim.advance_to(SWINGING)
+    record, planned = sim.record, sim.output("planned_paths")
+    assert len(planned.com) == len(planned.dcm) == len(planned.cop) > 10
+    np.testing.assert_allclose(planned.dcm[0], record.balance.dcm_reference, atol=0.01)
+    # Both come to rest over the same point.
+    np.testing.assert_allclose(planned.com[-1], planned.dcm[-1], atol=0.05)
+    step = record.footsteps[0]
+    foot = record.feet.positions[step.foot]
+    assert np.linalg.norm(planned.swing - foot, axis=1).min() < 0.03
+    np.testing.assert_allclose(planned.swing[-1][:2], step.p_WF[:2], atol=0.005)
+    assert planned.swing[:, 2].max() > 0.05
+    assert record.balance.support.shape[1] == 2
+    names = ("support", "plan_com", "plan_dcm", "swing", "com_ball", "cop", "forces/0")
+    assert not any(meshcat.HasPath(f"{PATH}/{name}") for name in names)
+    for name in overlays_from("all"):
+        overlays.switch(name, True)
+    sim.advance(0.15)
+    assert [name for name in names if not meshcat.HasPath(f"{PATH}/{name}")] == []
+
+
+@pytest.mark.slow
+def test_a_view_does_not_change_the_motion():
+    scenario = Scenario(noise="reference", seed=3)
+    seen = AtlasSimulation(scenario, view=Meshcat(), overlays=Overlays(OVERLAYS))
+    plain = AtlasSimulation(scenario)
+    for sim in (seen, plain):
+        sim.advance_to(0.1)
+    assert np.array_equal(seen.output("state"), plain.output("state"))

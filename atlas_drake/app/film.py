@@ -1,0 +1,116 @@
+"""Films on the command line: of a log, and of a run by ``--video``.
+
+The film itself is ``atlas_drake.diagrams.film``; options are parsed in ``main``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.outputs import keep, quiet_logs, shown_of_log
+from atlas_drake.app.progress import StatusLine
+from atlas_drake.errors import ScenarioError
+from atlas_drake.logs import Log, LogError, read_log
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.scenario.world_file import View
+from atlas_drake.visualization.film_file import check_film
+from atlas_drake.visualization.overlays import LOG_FIELDS
+
+PATIENCE = 2.0
+"""Time after which the progress is shown [s]."""
+
+
+def film_log(options: argparse.Namespace) -> int:
+    """Films a log; returns the exit status.
+
+    Raises:
+        LogError: If the log cannot be read.
+        FilmError: If the film cannot be made; raised before it is begun.
+    """
+    path = options.output or options.log.with_suffix(".mp4")
+    if path.resolve() == options.log.resolve():
+        raise ScenarioError("--output", str(path), f"{path} is the log")
+    check_film(path, options.size)
+    quiet_logs()
+    progress = StatusLine(sys.stdout)
+    log = read_log(options.log)
+    show = shown_of_log(options.show, log, progress)
+    view = None if options.view is None else View(*options.view)
+    return _film(log, path, progress, size=options.size, show=show, view=view)
+
+
+@contextmanager
+def log_for_film(options: argparse.Namespace) -> Iterator[Path | None]:
+    """Yields where a run is logged: by --log, for --video alone in a temporary file."""
+    if options.video is None or options.log is not None:
+        yield options.log
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder) / "run.mcap"
+
+
+def with_logged_overlays(scenario: Scenario, options: argparse.Namespace) -> Scenario:
+    """Returns a scenario whose log holds what a film of the run shows."""
+    if options.video is None:
+        return scenario
+    fields = {LOG_FIELDS[name]: True for name in options.show if name in LOG_FIELDS}
+    return replace(scenario, log=replace(scenario.log, **fields))
+
+
+def film_run(
+    log: Path,
+    options: argparse.Namespace,
+    progress: StatusLine,
+    world: Sequence[WorldMaker] = (),
+) -> int:
+    """Films the log of a run into the file of --video; returns an exit status."""
+    try:
+        records = read_log(log)
+    except LogError as error:
+        progress.say(f"! {options.video} is lost: {error}")
+        return exit_status.OUTPUT_LOST
+    return _film(
+        records,
+        options.video,
+        progress,
+        size=options.video_size,
+        show=options.show,
+        world=world,
+    )
+
+
+def _film(log: Log, path: Path, progress: StatusLine, **arguments: Any) -> int:
+    """Films a log with progress; Ctrl-C keeps the pictures so far."""
+    from atlas_drake.diagrams.film import film
+
+    begin, end = time.perf_counter(), float(log.time[-1])
+    with ctrl_c() as asked_to_stop:
+
+        def on_picture(now: float) -> None:
+            if asked_to_stop.is_set():
+                progress.say(f"Stopped: {path} ends at {now:.1f} s.")
+                raise KeyboardInterrupt
+            if time.perf_counter() - begin > PATIENCE:
+                progress.show(f"Filming: {now:.1f} of {end:.1f} s")
+
+        try:
+            kept = keep(
+                path,
+                lambda: film(log, path, on_picture=on_picture, **arguments),
+                progress,
+                lambda pictures: f", {pictures} pictures.",
+            )
+        except KeyboardInterrupt:
+            return exit_status.INTERRUPTED
+    return exit_status.OK if kept else exit_status.OUTPUT_LOST

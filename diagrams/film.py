@@ -1,0 +1,96 @@
+"""Films a log: Drake's renderer over its records, into a video file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydrake.geometry import SceneGraph
+
+from atlas_drake.diagrams.replay import make_replay_station
+from atlas_drake.logs import Log
+from atlas_drake.scenario.models import world_of
+from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.scenario.world_file import View
+from atlas_drake.visualization import FILM_SIZE
+from atlas_drake.visualization.colors import joint_colors
+from atlas_drake.visualization.film_camera import FilmCamera
+from atlas_drake.visualization.film_file import FilmFile
+from atlas_drake.visualization.film_stage import FilmStage
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.shapes import shapes_of
+
+RATE = 25
+"""Pictures per simulated second [1/s]."""
+
+
+def film(
+    log: Log,
+    path: str | Path,
+    *,
+    size: tuple[int, int] = FILM_SIZE,
+    show: Iterable[str] = (),
+    view: View | None = None,
+    world: Sequence[WorldMaker] = (),
+    on_picture: Callable[[float], object] = lambda _time: None,
+) -> int:
+    """Films a log: the robot in its world, its footsteps, and overlays.
+
+    An exception, such as that of Ctrl-C, ends the film with the pictures so far.
+
+    Example:
+        >>> film(read_log("run.mcap"), "run.mp4", show=["owner", "support"])
+
+    Args:
+        log: Log of the run.
+        path: Path of the film, which ends in .mp4 or .gif.
+        size: Width and height of the pictures [pixel].
+        show: Names of overlays, see ``atlas_drake.visualization.overlays``.
+        view: Place and target of the camera. None is the view of the run's world, or,
+            with the overlay ``follow`` or in a world without a view, a camera that
+            follows the robot.
+        world: The callables of the run's world. A log holds the appearance of the
+            scenario's models, but only the motion of other models.
+        on_picture: Called with the simulated time [s] after each picture.
+
+    Returns:
+        The number of pictures.
+
+    Raises:
+        FilmError: If the film cannot be made.
+        ScenarioError: If there is no such overlay.
+        LogError: If this version of the program cannot read the log's scenario.
+    """
+    overlays = Overlays(show)
+    robot, scenario = log.robot, log.scenario
+    if view is None and not overlays.is_on("follow"):
+        view = scenario.surroundings().view
+    camera = FilmCamera(view, 1.0 / RATE)
+    with FilmFile(Path(path), RATE, size) as file:
+        stages: list[FilmStage] = []
+
+        def set_up(scene_graph: SceneGraph) -> None:
+            stages.append(FilmStage(scene_graph, robot, size, camera.X_TC))
+
+        beside_robot = (*world_of(scenario.all_models()), *world)
+        station = make_replay_station(log, beside_robot, set_up)
+        context: Any = station.CreateDefaultContext()
+        scene_graph = station.GetSubsystemByName("scene_graph")
+        scene_context = scene_graph.GetMyMutableContextFromRoot(context)
+        begin, end = float(log.time[0]), float(log.time[-1])
+        for number in range(math.floor((end - begin) * RATE + 1e-6) + 1):
+            time = begin + number / RATE
+            context.SetTime(time)
+            record = station.GetOutputPort("record").Eval(context)
+            picture = stages[0].picture(
+                scene_context,
+                station.GetOutputPort("query_object").Eval(context),
+                shapes_of(record, overlays.on, robot.file.sole),
+                joint_colors(record, overlays.on, robot),
+                camera.pose(record),
+            )
+            file.add(picture)
+            on_picture(time)
+    return file.num_frames
