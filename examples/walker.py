@@ -160,7 +160,7 @@ class Walker(LeafSystem):
         """Declare the ports; the simulation connects them by their names."""
         super().__init__()
         self.robot, self.dt, self.step_time = robot, scenario.control_period, step_time
-        self.weight = robot.mass * GRAVITY  # [N]
+        self.body_weight = robot.mass * GRAVITY  # [N]
         self.height = robot.com_height - COM_DROP  # of the CoM above the soles [m]
         self.omega = feedback.pendulum_frequency(self.height)
         self.soles = tuple(foot.sole_frame for foot in robot.file.feet)
@@ -194,7 +194,7 @@ class Walker(LeafSystem):
             lifts_off = phase.steps and phase.elapsed >= phase.duration
             return self.single_support(feet, phase.steps) if lifts_off else phase
         load = loads[phase.swing_foot]
-        if phase.swing.progress > 0.5 and load > TOUCHDOWN * self.weight:
+        if phase.swing.progress > 0.5 and load > TOUCHDOWN * self.body_weight:
             cop = phase.plan.evaluate(phase.elapsed).cop
             return self.double_support(feet, phase.steps[1:], cop)
         swing, _ = advance_swing(phase.swing, phase.steps[0], PROFILE, self.dt)
@@ -297,7 +297,7 @@ class Walker(LeafSystem):
 
     def contacts(self, phase):
         """List the soles on which the ground can push."""
-        most = GAINS.contact.full_load * self.weight
+        most = GAINS.contact.full_load * self.body_weight
         return [
             wb.Contact(self.soles[foot], self.patch, most) for foot in phase.stance_feet
         ]
