@@ -76,7 +76,7 @@ def _simulate(
         try:
             problem = program.run(sim, ended, end, progress.say, complain)
             if problem is None and duration is not None:
-                program.finish()
+                problem = program.finish()
         except KeyboardInterrupt:
             return INTERRUPTED
         if asked_to_stop.is_set():

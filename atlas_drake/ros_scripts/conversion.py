@@ -16,48 +16,32 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from atlas_drake.errors import shown
 from atlas_drake.messages import Message
 from atlas_drake.ros_scripts.message_types import BYTES, NOT_IN_ROS, ROS_TYPES
 from atlas_drake.ros_scripts.ros_message import RosMessage
 from atlas_drake.ros_scripts.ros_time import Time
-from atlas_drake.ros_scripts.unknown import ScriptError
 
 M = TypeVar("M", bound=Message)
 
 
-def to_ours(message: RosMessage, kind: type[M], path: str = "") -> M:
-    """Convert a ROS message.
-
-    Args:
-        message: The program's message.
-        kind: Class of the result.
-        path: Path of the message in the message that is sent; empty at the top.
-
-    Raises:
-        ScriptError: If a part has the wrong message type.
-    """
+def to_ours(message: Any, kind: type[M]) -> M:
+    """Convert a ROS message to a message of type ``kind``."""
     result = kind()
     for field in fields(kind):  # type: ignore[arg-type]
-        if field.name in NOT_IN_ROS:
-            continue
-        value = getattr(message, field.name)
-        place = f"{path}.{field.name}".removeprefix(".")
-        default = getattr(result, field.name)
-        setattr(result, field.name, _value_to_ours(value, default, place))
+        if field.name not in NOT_IN_ROS:
+            value = getattr(message, field.name)
+            default = getattr(result, field.name)
+            setattr(result, field.name, _value_to_ours(value, default))
     return result
 
 
-def _value_to_ours(value: Any, default: Any, place: str) -> Any:
+def _value_to_ours(value: Any, default: Any) -> Any:
     """Convert one value; ``default`` is the field's default in this package."""
     if isinstance(default, Message):
-        return _part_to_ours(value, type(default), place)
+        is_unset = isinstance(value, RosMessage) and value == type(value)()
+        return default if is_unset else to_ours(value, type(default))
     if isinstance(default, list) and default and isinstance(value, Sequence):
-        kind = type(default[0])
-        return [
-            _part_to_ours(part, kind, f"{place}[{index}]")
-            for index, part in enumerate(value)
-        ]
+        return [_value_to_ours(part, type(default[0])()) for part in value]
     if isinstance(value, Time):
         return value.to_sec()
     if isinstance(value, bytes | bytearray):
@@ -68,19 +52,7 @@ def _value_to_ours(value: Any, default: Any, place: str) -> Any:
     return value
 
 
-def _part_to_ours(value: Any, kind: type[Message], place: str) -> Message:
-    expected = ROS_TYPES[kind]
-    alike = isinstance(value, RosMessage) and set(value._factories) == set(
-        expected._factories
-    )
-    if not alike:
-        raise ScriptError(f"{place} must be a {expected._type}, is {shown(value)}")
-    if value == type(value)():
-        return kind()
-    return to_ours(value, kind, place)
-
-
-def from_ours(message: Message) -> RosMessage:
+def from_ours(message: Message) -> Any:
     """Convert a message of this package to ROS."""
     ros, shared, rest = _plan(type(message))  # type: ignore[arg-type]
     # Skip the initial values, nearly all of which would be replaced.
@@ -94,14 +66,12 @@ def from_ours(message: Message) -> RosMessage:
 
 
 @functools.cache
-def _plan(
-    kind: type[Message],
-) -> tuple[type[RosMessage], tuple[str, ...], tuple[str, ...]]:
+def _plan(kind: type[Message]) -> tuple[type[RosMessage], list[str], list[str]]:
     """Return the ROS class, its fields that both have, and its other fields."""
     ros = ROS_TYPES[kind]
     own = {field.name for field in fields(kind)}  # type: ignore[arg-type]
-    shared = tuple(name for name in ros._factories if name in own)
-    return ros, shared, tuple(name for name in ros._factories if name not in own)
+    shared = [name for name in ros._factories if name in own]
+    return ros, shared, [name for name in ros._factories if name not in own]
 
 
 _PLAIN = (float, int, bool, str)
@@ -116,9 +86,9 @@ def _value_to_ros(name: str, value: Any) -> Any:
         return from_ours(value)
     if name in BYTES:
         return bytes(int(number) for number in value)
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        plain = not value or type(value[0]) in _PLAIN
-        return list(value) if plain else [_value_to_ros("", item) for item in value]
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, Sequence):
+        plain = not value or type(value[0]) in _PLAIN
+        return list(value) if plain else [_value_to_ros("", item) for item in value]
     return int(value) if isinstance(value, IntEnum | IntFlag) else value

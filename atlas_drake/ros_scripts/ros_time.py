@@ -19,14 +19,9 @@ class _Seconds:
     __slots__ = ("nsecs", "secs")
 
     def __init__(self, secs: float = 0, nsecs: float = 0) -> None:
-        """Stores seconds and nanoseconds.
-
-        Args:
-            secs: Seconds; a float may have a fraction.
-            nsecs: Nanoseconds, added to the seconds.
-        """
+        """Stores seconds, which may have a fraction, and nanoseconds, in addition."""
         total = round(secs * NANO) if isinstance(secs, float) else int(secs) * NANO
-        self.secs, self.nsecs = divmod(total + int(nsecs), NANO)
+        self.secs, self.nsecs = divmod(total + round(nsecs), NANO)
 
     @classmethod
     def from_sec(cls, seconds: float) -> Self:
@@ -48,23 +43,24 @@ class _Seconds:
         return hash(self.to_nsec())
 
     def __eq__(self, other: object) -> bool:
-        number = self._number(other)
-        return NotImplemented if number is None else self.to_nsec() == number
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() == other.to_nsec()
 
     def __lt__(self, other: object) -> bool:
-        number = self._number(other)
-        return NotImplemented if number is None else self.to_nsec() < number
-
-    def _number(self, other: object) -> int | None:
-        """Return the other operand [ns]; None if the types do not compare."""
-        both_times = isinstance(other, Time) and isinstance(self, Time)
-        both_durations = isinstance(other, Duration) and isinstance(self, Duration)
-        return other.to_nsec() if both_times or both_durations else None  # type: ignore[attr-defined]
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() < other.to_nsec()
 
     def __add__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return self._like(self.to_nsec() + other.to_nsec())
-        return NotImplemented
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() + other.to_nsec())
+
+    def __sub__(self, other: object) -> Any:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() - other.to_nsec())
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}[{self.to_nsec()}]"
@@ -72,40 +68,30 @@ class _Seconds:
     def __str__(self) -> str:
         return str(self.to_nsec())
 
-    def _like(self, nanoseconds: float) -> Self:
-        return type(self)(0, round(nanoseconds))
-
 
 class Duration(_Seconds):
     """A span of time, of either sign."""
 
-    def __sub__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return self._like(self.to_nsec() - other.to_nsec())
-        return NotImplemented
-
     def __mul__(self, factor: float) -> Any:
-        return self._like(self.to_nsec() * factor)
+        return Duration(0, self.to_nsec() * factor)
 
     __rmul__ = __mul__
 
     def __truediv__(self, divisor: Any) -> Any:
         if isinstance(divisor, Duration):
             return self.to_nsec() / divisor.to_nsec()
-        return self._like(self.to_nsec() / divisor)
+        return Duration(0, self.to_nsec() / divisor)
 
     def __neg__(self) -> Duration:
         return self * -1
 
 
 class Time(_Seconds):
-    """A moment of simulated time; 0 means "not set" in a header."""
+    """An instant of simulated time; 0 means "not set" in a header."""
 
     __radd__ = _Seconds.__add__
 
     def __sub__(self, other: object) -> Any:
         if isinstance(other, Time):
             return Duration(0, self.to_nsec() - other.to_nsec())
-        if isinstance(other, Duration):
-            return self._like(self.to_nsec() - other.to_nsec())
-        return NotImplemented
+        return super().__sub__(other)

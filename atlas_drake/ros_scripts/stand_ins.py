@@ -6,9 +6,7 @@ that lists the names of the module.
 
 from __future__ import annotations
 
-import importlib.util
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from types import ModuleType
 from typing import Any
 
@@ -23,11 +21,11 @@ class StandIn(ModuleType):
 
     def __init__(self, name: str, content: Mapping[str, Any]) -> None:
         """Makes a module with ``content``, by name."""
-        super().__init__(name, f"Stands in for ROS's {name}.")
+        super().__init__(name, f"Stands in for the module {name}.")
         self.__path__: list[str] = []
         self.names = sorted(content)
-        vars(self).update(content)
         self.__all__ = self.names
+        vars(self).update(content)
 
     def __getattr__(self, name: str) -> Any:
         # Python itself looks up such names.
@@ -38,13 +36,13 @@ class StandIn(ModuleType):
 
 
 def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
-    """Return all modules by full name.
+    """Return all modules of ROS by full name.
 
     Args:
         rospy: Contents of ``rospy``.
         robot: Robot whose joints ``AtlasState`` names.
     """
-    flat: dict[str, Mapping[str, Any]] = {
+    contents: dict[str, Mapping[str, Any]] = {
         "PyKDL": poses.KDL,
         "roslib": {"load_manifest": lambda *_packages: None},
         "rospy": rospy,
@@ -55,47 +53,12 @@ def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
     }
     for package, types in PACKAGES.items():
         own = with_joints_of(robot, types) if "AtlasState" in types else types
-        flat |= {package: {}, f"{package}.msg": own}
+        contents |= {package: {}, f"{package}.msg": own}
     modules: dict[str, StandIn] = {}
-    for name in sorted(flat):  # Packages come before their modules.
-        modules[name] = StandIn(name, flat[name])
+    for name in sorted(contents):  # Packages come before their modules.
+        modules[name] = StandIn(name, contents[name])
         package, _, last = name.rpartition(".")
         if package:
             setattr(modules[package], last, modules[name])
             modules[package].names.append(last)
     return modules
-
-
-def installed(names: Mapping[str, object]) -> dict[str, str]:
-    """Return the places of installed packages of these names."""
-    found = {}
-    for name in names:
-        if "." in name:
-            continue
-        try:
-            spec = importlib.util.find_spec(name)
-        except (ImportError, ValueError):
-            continue
-        if spec is not None:
-            found[name] = spec.origin or "a namespace package"
-    return found
-
-
-@contextmanager
-def in_place(
-    modules: Mapping[str, ModuleType], table: dict[str, Any]
-) -> Iterator[None]:
-    """Puts modules into ``sys.modules``; restores the previous ones at the end.
-
-    Args:
-        modules: The modules by full name.
-        table: ``sys.modules``.
-    """
-    before = {name: table[name] for name in modules if name in table}
-    table.update(modules)
-    try:
-        yield
-    finally:
-        for name in modules:
-            table.pop(name, None)
-        table.update(before)

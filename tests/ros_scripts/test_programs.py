@@ -92,11 +92,10 @@ def wait(message):
     rospy.sleep(0.03)
 rospy.Subscriber("/clock", Clock, wait)
 rospy.Subscriber("/clock", Clock, quick.append)
-rospy.Timer(rospy.Duration(0.02), lambda event: quick.append(None))
 rospy.sleep(0.101)
-print(len(slow), quick.count(None), len(quick) - quick.count(None))
+print(len(slow), len(quick))
 """)
-    assert ran.printed == ["3 5 25"], ran.complained
+    assert ran.printed == ["3 25"], ran.complained
 
 
 def test_threads_of_the_program_wait_side_by_side(run):
@@ -240,22 +239,6 @@ print([worker.is_alive() for worker in workers])
     assert ran.problem is None, ran.complained
     assert ran.printed == ["[False, True]"]  # Nothing could end the second wait.
     assert ran.sim.time == pytest.approx(0.03)
-
-
-def test_a_thread_that_the_program_did_not_start_cannot_wait(run):
-    ran = run("""
-import logging
-def work():
-    try:
-        rospy.sleep(0.01)
-    except Exception as error:
-        print(error)
-thread = logging.threading.Thread(target=work, name="Foreign")
-thread.start()
-thread.join()
-""")
-    assert ran.printed[0].startswith("Foreign waits, but was not started by")
-    assert ran.sim.time == 0.0
 
 
 @pytest.mark.parametrize(
@@ -527,14 +510,3 @@ def test_a_program_has_its_own_arguments(run):
     text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
     ran = run(text, "-a", "x:=y")
     assert ran.printed == ["['-a', 'x:=y'] ['-a']"]
-
-
-def test_the_stand_ins_take_precedence_over_an_installed_ros(
-    run, tmp_path, monkeypatch
-):
-    (tmp_path / "PyKDL.py").write_text("raise SystemExit('the wrong one')\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    ran = run("from PyKDL import Vector\nprint(Vector(1, 2, 3).y())\n")
-    assert ran.printed == ["2.0"]
-    assert "PyKDL is installed" in ran.said[0]
-    assert "the stand-in for it is used" in ran.said[0]
