@@ -26,7 +26,7 @@ from atlas_drake import (
     AtlasSimulation,
     Behavior,
 )
-from atlas_drake.app.diagram_picture import write_diagram_picture
+from atlas_drake.app.diagram import draw_diagram
 from atlas_drake.app.main import main as atlas_drake
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import start_meshcat
@@ -120,7 +120,7 @@ def main() -> None:
 
 def make_readme_pictures(browser: str) -> None:
     """Makes the pictures and the film of the README."""
-    write_diagram_picture(DIAGRAM)
+    draw_diagram(DIAGRAM)
     print(f"Wrote {DIAGRAM}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
