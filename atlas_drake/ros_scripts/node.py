@@ -11,9 +11,8 @@ from typing import Any
 
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.ros_scripts.clock import Clock, RosInterruptError
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.ros_time import Duration
-from atlas_drake.ros_scripts.topics import find_topic
+from atlas_drake.ros_scripts.ros_message import Duration, RosMessage
+from atlas_drake.ros_scripts.topics import READ, WRITE, find_topic
 
 SPIN = 1.0
 """Length of each wait in ``spin`` [s]."""
@@ -32,7 +31,7 @@ class Publisher:
         **_options: object,
     ) -> None:
         """Finds the topic; options of the network are ignored."""
-        self.resolved_name, self._write = find_topic(name, data_class, "write")
+        self.resolved_name, self._write = find_topic(name, data_class, WRITE)
         self.name, self.data_class = self.resolved_name, data_class
         self._clock, self._say = clock, say
         self._said: set[str] = set()
@@ -83,7 +82,7 @@ class Subscriber:
         **_options: object,
     ) -> None:
         """Finds the topic; messages arrive while the program waits."""
-        self.resolved_name, self._read = find_topic(name, data_class, "read")
+        self.resolved_name, self._read = find_topic(name, data_class, READ)
         self.name, self._clock, self._callback = self.resolved_name, clock, callback
         self._arguments = () if callback_args is None else (callback_args,)
         if callback is not None:
@@ -114,7 +113,6 @@ class Rate:
         if not hz > 0.0:
             raise ValueError(f"rospy.Rate: {hz!r} times a second; must be more than 0")
         self._clock, self._period = clock, 1.0 / hz
-        self.sleep_dur = Duration.from_sec(self._period)
         self._last = clock.sim.time
 
     def sleep(self) -> None:
@@ -147,7 +145,7 @@ def wait_for_message(
     clock: Clock, topic: str, topic_type: type[RosMessage], timeout: object = None
 ) -> RosMessage:
     """Waits one control period and returns a topic's message."""
-    _, read = find_topic(topic, topic_type, "read")
+    _, read = find_topic(topic, topic_type, READ)
     sleep(clock, clock.period)
     message: RosMessage = read(clock.sim)
     return message

@@ -35,10 +35,6 @@ class Vector(np.ndarray[Any, Any]):
         """Returns the third number."""
         return float(self[2])
 
-    def Norm(self) -> float:
-        """Returns the length."""
-        return float(np.linalg.norm(self))
-
 
 class Rotation:
     """``PyKDL.Rotation``."""
@@ -60,11 +56,6 @@ class Rotation:
     def RPY(roll: float, pitch: float, yaw: float) -> Rotation:
         """Returns the rotation about fixed x, then y, then z."""
         return Rotation(RotationMatrix(RollPitchYaw(roll, pitch, yaw)))
-
-    @staticmethod
-    def RotZ(angle: float) -> Rotation:
-        """Returns a rotation about z."""
-        return Rotation.RPY(0.0, 0.0, angle)
 
     def GetQuaternion(self) -> tuple[float, ...]:
         """Returns x, y, z, w."""

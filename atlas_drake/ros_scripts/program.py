@@ -6,7 +6,6 @@ Views, output files and the verdict on a run are in ``app``.
 from __future__ import annotations
 
 import math
-import re
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -15,9 +14,8 @@ from pathlib import Path
 from atlas_drake.ros_scripts.clock import ENDED, Clock
 from atlas_drake.ros_scripts.python2 import load_program
 from atlas_drake.ros_scripts.rospy_module import RosNode
-from atlas_drake.ros_scripts.stand_ins import stand_ins
-from atlas_drake.ros_scripts.unknown import LIST, ScriptError, unknown
-from atlas_drake.ros_scripts.world import World, as_main, is_in_world
+from atlas_drake.ros_scripts.unknown import LIST, ScriptError
+from atlas_drake.ros_scripts.world import World, as_main, is_in_world, stand_ins
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 
@@ -76,7 +74,7 @@ class Program:
         """
         self._clock = clock = Clock(sim, ended, end)
         node = RosNode(clock, say)
-        self._modules = modules = stand_ins(node.names(), sim.robot)
+        modules = stand_ins(node.names(), sim.robot)
         world = World(self.path.resolve().parent, clock, say)
 
         def run_threads() -> None:
@@ -134,13 +132,4 @@ class Program:
         ]
         lines = ["Traceback (most recent call last):\n", *traceback.format_list(own)]
         lines.append(f"{type(error).__name__}: {error}")
-        quoted = re.search(r"'([\w.]+)'", str(error))
-        if isinstance(error, ImportError) and quoted:
-            module = self._modules.get(error.name or "")
-            known = module.names if module else map(_package, self._modules)
-            lines.append(f"\n{unknown(quoted[1], quoted[1], known)}")
         return "".join(lines)
-
-
-def _package(module: str) -> str:
-    return module.partition(".")[0]

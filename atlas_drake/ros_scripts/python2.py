@@ -21,33 +21,8 @@ from typing import Any
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 _PYTHON3 = re.compile(r"#!.*\bpython3")
-_FIXERS = (
-    "basestring",
-    "dict",
-    "except",
-    "exec",
-    "filter",
-    "has_key",
-    "imports",
-    "itertools",
-    "long",
-    "map",
-    "metaclass",
-    "ne",
-    "next",
-    "nonzero",
-    "numliterals",
-    "paren",
-    "print",
-    "raise",
-    "raw_input",
-    "repr",
-    "tuple_params",
-    "unicode",
-    "xrange",
-    "zip",
-)
-"""Fixers that keep the lines of a program, so that errors name the right one."""
+_NOT_FIXED = {"future", "import", "intern", "reduce", "reload"}
+"""Fixers of fissix that would move lines, or need a package around the program."""
 _TAB = 8
 """Columns of a tab in Python 2."""
 DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"
@@ -93,7 +68,6 @@ def _as_python3(source: str) -> str:
     try:
         from fissix.pgen2.parse import ParseError
         from fissix.pgen2.tokenize import TokenError
-        from fissix.refactor import RefactoringTool
     except ImportError as missing:
         if error is None:
             return source
@@ -103,10 +77,7 @@ def _as_python3(source: str) -> str:
         )
         raise error from missing
     # What Python 3 can read has no print statement.
-    fixers = [name for name in _FIXERS if error or name != "print"]
-    tool = RefactoringTool(
-        [f"fissix.fixes.fix_{name}" for name in fixers], {"print_function": not error}
-    )
+    tool = _translator(has_print_statement=error is not None)
     try:
         # The grammar of fissix needs a newline at the end.
         return str(tool.refactor_string(source.rstrip() + "\n", "program"))
@@ -115,6 +86,19 @@ def _as_python3(source: str) -> str:
             return source
         error.msg += f"; read as Python 2: {problem}"
         raise error from problem
+
+
+@functools.cache
+def _translator(*, has_print_statement: bool) -> Any:
+    from fissix.refactor import RefactoringTool, get_fixers_from_package
+
+    left_out = _NOT_FIXED if has_print_statement else {*_NOT_FIXED, "print"}
+    fixers = [
+        name
+        for name in get_fixers_from_package("fissix.fixes")
+        if name.rpartition("fix_")[2] not in left_out
+    ]
+    return RefactoringTool(fixers, {"print_function": not has_print_statement})
 
 
 def _with_old_division(tree: ast.Module) -> ast.Module:

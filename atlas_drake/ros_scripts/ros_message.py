@@ -1,13 +1,15 @@
-"""Messages as ROS 1 made them: mutable, zero until filled in, fields by name.
+"""What ROS 1 made messages of: fields that begin at zero, ``Time`` and ``Duration``.
 
-The messages themselves are in ``message_types``; their conversion to the messages of
-this package is in ``conversion``.
+The messages themselves are in ``message_types``; ``rospy.Time.now``, which needs a
+clock, is in ``rospy_module``.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from textwrap import indent
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -63,7 +65,14 @@ class RosMessage:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return "\n".join(_lines(self))
+        lines = []
+        for name in self._factories:
+            text = repr(getattr(self, name))
+            nested = "\n" in text
+            lines.append(
+                f"{name}:\n{indent(text, '  ')}" if nested else f"{name}: {text}"
+            )
+        return "\n".join(lines)
 
 
 def message_type(
@@ -86,17 +95,79 @@ def array_of(factory: Factory, count: int) -> Factory:
     return lambda: [factory() for _ in range(count)]
 
 
-def _lines(message: RosMessage) -> list[str]:
-    """Return the lines that ``print`` shows, as YAML."""
-    lines = []
-    for name in message._factories:
-        value = getattr(message, name)
-        parts = value if isinstance(value, list) else [value]
-        if not any(isinstance(part, RosMessage) for part in parts):
-            lines.append(f"{name}: {value!r}")
-            continue
-        lines.append(f"{name}:")
-        for part in parts:
-            lines += ["  -"] * (parts is value)
-            lines += [f"  {line}" for line in _lines(part)]
-    return lines
+NANO = 1_000_000_000
+"""Nanoseconds in a second."""
+
+
+@functools.total_ordering
+class _Seconds:
+    """Common base of ``Time`` and ``Duration``."""
+
+    __slots__ = ("nsecs", "secs")
+
+    def __init__(self, secs: float = 0, nsecs: float = 0) -> None:
+        """Stores seconds, which may have a fraction, and nanoseconds, in addition."""
+        total = round(secs * NANO) if isinstance(secs, float) else int(secs) * NANO
+        self.secs, self.nsecs = divmod(total + round(nsecs), NANO)
+
+    @classmethod
+    def from_sec(cls, seconds: float) -> Self:
+        """Return a value of so many seconds."""
+        return cls(float(seconds))
+
+    def to_sec(self) -> float:
+        """Return the value in seconds."""
+        return self.secs + self.nsecs / NANO
+
+    def to_nsec(self) -> int:
+        """Return the value in nanoseconds."""
+        return self.secs * NANO + self.nsecs
+
+    def __hash__(self) -> int:
+        return hash(self.to_nsec())
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() == other.to_nsec()
+
+    def __lt__(self, other: object) -> bool:
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() < other.to_nsec()
+
+    def __add__(self, other: object) -> Any:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() + other.to_nsec())
+
+    def __sub__(self, other: object) -> Any:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() - other.to_nsec())
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}[{self.to_nsec()}]"
+
+
+class Duration(_Seconds):
+    """A span of time, of either sign."""
+
+    def __mul__(self, factor: float) -> Any:
+        return Duration(0, self.to_nsec() * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Any) -> Any:
+        if isinstance(divisor, Duration):
+            return self.to_nsec() / divisor.to_nsec()
+        return Duration(0, self.to_nsec() / divisor)
+
+
+class Time(_Seconds):
+    """An instant of simulated time; 0 means "not set" in a header."""
+
+    def __sub__(self, other: object) -> Any:
+        if isinstance(other, Time):
+            return Duration(0, self.to_nsec() - other.to_nsec())
+        return super().__sub__(other)

@@ -1,7 +1,7 @@
 """The names of ``rospy``, for one run.
 
 Publishers, subscribers and waits are in ``node``, time is in ``clock``. The module
-object is made in ``stand_ins``.
+object is made in ``world``.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from atlas_drake.ros_scripts.node import (
     spin,
     wait_for_message,
 )
-from atlas_drake.ros_scripts.ros_time import Duration
-from atlas_drake.ros_scripts.ros_time import Time as RosTime
+from atlas_drake.ros_scripts.ros_message import Duration
+from atlas_drake.ros_scripts.ros_message import Time as RosTime
 from atlas_drake.ros_scripts.topics import joint_name
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
 

@@ -10,8 +10,7 @@ joints, in the v1 or the v3 names, with or without the prefix ``atlas::``, and h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -23,17 +22,17 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     Behavior,
 )
-from atlas_drake.ros_scripts.conversion import from_ours, to_ours
 from atlas_drake.ros_scripts.message_types import (
     JOINT_ARRAYS,
     atlas_msgs,
+    from_ours,
     osrf_msgs,
     rosgraph_msgs,
     sensor_msgs,
     std_msgs,
+    to_ours,
 )
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.ros_time import Time
+from atlas_drake.ros_scripts.ros_message import RosMessage, Time
 from atlas_drake.ros_scripts.unknown import ScriptError, unknown
 from atlas_drake.scenario import Start
 from atlas_drake.simulation import AtlasSimulation
@@ -130,7 +129,7 @@ def _change_mode(sim: AtlasSimulation, message: Any) -> str | None:
     return None
 
 
-def _word(message: Any, what: str, known: Sequence[str] | dict[str, Any]) -> str:
+def _word(message: Any, what: str, known: Iterable[str]) -> str:
     """Return the known word that a message has, in any case and with underscores."""
     plain = str(message.data).strip().lower().replace("_", "")
     for word in known:
@@ -150,69 +149,64 @@ def _atlas_command(sim: AtlasSimulation, message: Any) -> str | None:
     )
 
 
-@dataclass(frozen=True)
-class Topic:
-    """One topic.
+def _sim_interface_command(sim: AtlasSimulation, message: Any) -> None:
+    sim.publish(to_ours(message, AtlasSimInterfaceCommand))
 
-    Attributes:
-        type: Class of the messages.
-        read: Returns the latest message; None if the topic cannot be subscribed to.
-        write: Executes a message and returns a note to print, if any; None if the topic
-            cannot be published on.
+
+def _clock(sim: AtlasSimulation) -> RosMessage:
+    return rosgraph_msgs["Clock"](Time.from_sec(sim.time))
+
+
+WRITE = (
+    "publishing on",
+    {
+        "/atlas/atlas_command": (atlas_msgs["AtlasCommand"], _atlas_command),
+        "/atlas/atlas_sim_interface_command": (
+            atlas_msgs["AtlasSimInterfaceCommand"],
+            _sim_interface_command,
+        ),
+        "/atlas/joint_commands": (osrf_msgs["JointCommands"], _joint_commands),
+        "/atlas/control_mode": (std_msgs["String"], _change_control_mode),
+        "/atlas/mode": (std_msgs["String"], _change_mode),
+    },
+)
+"""Topics to publish on: class of the messages, and the function that executes one and
+returns a note to print or None."""
+READ = (
+    "subscribing to",
+    {
+        "/atlas/atlas_state": (
+            atlas_msgs["AtlasState"],
+            lambda sim: from_ours(sim.atlas_state),
+        ),
+        "/atlas/atlas_sim_interface_state": (
+            atlas_msgs["AtlasSimInterfaceState"],
+            lambda sim: from_ours(sim.atlas_sim_interface_state),
+        ),
+        "/atlas/imu": (sensor_msgs["Imu"], lambda sim: from_ours(sim.imu)),
+        "/atlas/joint_states": (sensor_msgs["JointState"], _joint_states),
+        "/joint_states": (sensor_msgs["JointState"], _joint_states),
+        "/clock": (rosgraph_msgs["Clock"], _clock),
+    },
+)
+"""Topics to subscribe to: class of the messages, and the function that returns one."""
+
+
+def find_topic(
+    name: object, kind: object, direction: tuple[str, dict[str, Any]]
+) -> tuple[str, Any]:
+    """Return a topic's resolved name, and its function in ``WRITE`` or ``READ``.
+
+    The slash before a name may be missing; ``kind`` is the program's message class.
     """
-
-    type: type[RosMessage]
-    read: Callable[[AtlasSimulation], RosMessage] | None = None
-    write: Callable[[AtlasSimulation, Any], str | None] | None = None
-
-
-TOPICS = {
-    "/atlas/atlas_command": Topic(atlas_msgs["AtlasCommand"], write=_atlas_command),
-    "/atlas/atlas_sim_interface_command": Topic(
-        atlas_msgs["AtlasSimInterfaceCommand"],
-        write=lambda sim, m: sim.publish(to_ours(m, AtlasSimInterfaceCommand)),
-    ),
-    "/atlas/joint_commands": Topic(osrf_msgs["JointCommands"], write=_joint_commands),
-    "/atlas/control_mode": Topic(std_msgs["String"], write=_change_control_mode),
-    "/atlas/mode": Topic(std_msgs["String"], write=_change_mode),
-    "/atlas/atlas_state": Topic(
-        atlas_msgs["AtlasState"], read=lambda sim: from_ours(sim.atlas_state)
-    ),
-    "/atlas/atlas_sim_interface_state": Topic(
-        atlas_msgs["AtlasSimInterfaceState"],
-        read=lambda sim: from_ours(sim.atlas_sim_interface_state),
-    ),
-    "/atlas/imu": Topic(sensor_msgs["Imu"], read=lambda sim: from_ours(sim.imu)),
-    "/atlas/joint_states": Topic(sensor_msgs["JointState"], read=_joint_states),
-    "/joint_states": Topic(sensor_msgs["JointState"], read=_joint_states),
-    "/clock": Topic(
-        rosgraph_msgs["Clock"],
-        read=lambda sim: rosgraph_msgs["Clock"](Time.from_sec(sim.time)),
-    ),
-}
-"""All topics by resolved name."""
-
-
-def find_topic(name: object, kind: object, direction: str) -> tuple[str, Any]:
-    """Return a topic's resolved name, and the function that reads or writes it.
-
-    Args:
-        name: Name in the program, with or without the leading slash.
-        kind: Class of the messages in the program.
-        direction: ``"write"`` to publish, ``"read"`` to subscribe.
-
-    Raises:
-        ScriptError: If there is no such topic, or its messages have another type.
-    """
-    usable = [key for key, topic in TOPICS.items() if getattr(topic, direction)]
+    verb, topics = direction
     resolved = "/" + str(name).lstrip("/~")
-    if resolved not in usable:
-        verb = {"write": "publishing on", "read": "subscribing to"}[direction]
-        raise unknown(f"{verb} topic {name!r}", resolved, usable)
-    topic = TOPICS[resolved]
-    if not (isinstance(kind, type) and issubclass(kind, topic.type)):
+    if resolved not in topics:
+        raise unknown(f"{verb} topic {name!r}", resolved, topics)
+    expected, function = topics[resolved]
+    if not (isinstance(kind, type) and issubclass(kind, expected)):
         given = getattr(kind, "_type", repr(kind))
         raise ScriptError(
-            f"topic {resolved} has messages {topic.type._type}, not {given}"
+            f"topic {resolved} has messages {expected._type}, not {given}"
         )
-    return resolved, getattr(topic, direction)
+    return resolved, function

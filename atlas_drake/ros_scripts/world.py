@@ -1,8 +1,9 @@
-"""The environment of a program's code: its builtins, and modules from its own folder.
+"""The environment of a program's code: stand-ins, builtins, modules from its folder.
 
-Only the program and the modules in its folder get the simulated ``time``, the
-``threading`` with turns and the builtins of Python 2; Drake, numpy and this package
-keep Python's own.
+The contents of the modules that stand in for those of ROS are in the other files of
+this folder; a missing name raises an error that lists the names of the module. Only the
+program and the modules in its folder get the simulated ``time``, the ``threading`` with
+turns and the builtins of Python 2; Drake, numpy and this package keep Python's own.
 """
 
 from __future__ import annotations
@@ -17,7 +18,10 @@ from pathlib import Path
 from types import CodeType, FrameType, ModuleType
 from typing import Any
 
+from atlas_drake.robot import Robot
+from atlas_drake.ros_scripts import poses
 from atlas_drake.ros_scripts.clock import Clock
+from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
 from atlas_drake.ros_scripts.python2 import (
     BUILTINS,
     DIVIDE,
@@ -25,9 +29,8 @@ from atlas_drake.ros_scripts.python2 import (
     load_program,
     old_modules,
 )
-from atlas_drake.ros_scripts.stand_ins import StandIn
 from atlas_drake.ros_scripts.threads import simulated_threading, simulated_time
-from atlas_drake.ros_scripts.unknown import ScriptError
+from atlas_drake.ros_scripts.unknown import ScriptError, UnknownNameError, unknown
 
 REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}
 """Modules of Python that wait in other ways than ``time`` and ``threading``."""
@@ -38,6 +41,54 @@ _MARK = "__atlas_drake_script__"
 def is_in_world(frame: FrameType) -> bool:
     """Tell whether a frame runs code of the program."""
     return _MARK in frame.f_builtins
+
+
+class StandIn(ModuleType):
+    """A module whose errors list its names."""
+
+    def __init__(self, name: str, content: Mapping[str, Any]) -> None:
+        """Makes a module with ``content``, by name."""
+        super().__init__(name, f"Stands in for the module {name}.")
+        self.__path__: list[str] = []
+        self.names = sorted(content)
+        self.__all__ = self.names
+        vars(self).update(content)
+
+    def __getattr__(self, name: str) -> Any:
+        # Python itself looks up such names.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        what = f"{self.__name__}.{name}"
+        raise unknown(what, name, self.names, UnknownNameError)
+
+
+def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
+    """Return all modules of ROS by full name.
+
+    Args:
+        rospy: Contents of ``rospy``.
+        robot: Robot whose joints ``AtlasState`` names.
+    """
+    contents: dict[str, Mapping[str, Any]] = {
+        "PyKDL": poses.KDL,
+        "roslib": {"load_manifest": lambda *_packages: None},
+        "rospy": rospy,
+        "tf": {},
+        "tf.transformations": poses.TRANSFORMATIONS,
+        "tf_conversions": poses.POSEMATH,
+        "tf_conversions.posemath": poses.POSEMATH,
+    }
+    for package, types in PACKAGES.items():
+        own = with_joints_of(robot, types) if "AtlasState" in types else types
+        contents |= {package: {}, f"{package}.msg": own}
+    modules: dict[str, StandIn] = {}
+    for name in sorted(contents):  # Packages come before their modules.
+        modules[name] = StandIn(name, contents[name])
+        package, _, last = name.rpartition(".")
+        if package:
+            setattr(modules[package], last, modules[name])
+            modules[package].names.append(last)
+    return modules
 
 
 class World:
