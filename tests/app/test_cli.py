@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log
+from atlas_drake import ScenarioError, read_log
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 from atlas_drake.app.run import AFTER_FALL, verdict
@@ -37,20 +37,13 @@ FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--help"], ["demo", "run", "teleop", "diagram", "Begin with"]),
-        (
-            ["demo", "--help"],
-            ["--headless", "--realtime-rate", "--json", "exit status"],
-        ),
-        (["run", "--help"], ["SCENARIO.yaml", "--model", "--seed", "--record"]),
-        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
-        (["--version"], ["atlas-drake", "drake"]),
-        (["--help"], ["script", "DRCSim"]),
+        (["--help"], ["demo", "run", "script", "teleop", "diagram", "Begin with"]),
+        (["demo", "--help"], ["--headless", "--json", "WALK (4)", "exit status"]),
+        (["run", "--help"], ["SCENARIO.yaml", "--duration", "--seed", "--record"]),
         (["script", "--help"], ["FILE.py", "--scenario", "-- ARGUMENT", "--log"]),
-        (["demo", "--help"], ["--log", ".mcap", "Foxglove"]),
-        (["plot", "--help"], ["--output", ".html", "exit status"]),
-        (["replay", "--help"], ["--record", "--realtime-rate", "--headless"]),
-        (["replay", "--help"], ["--video", "--show", "forces"]),
+        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
+        (["replay", "--help"], ["--record", "--realtime-rate", "--show", "forces"]),
+        (["--version"], ["atlas-drake", "drake"]),
     ],
 )
 def test_help_names_commands_and_options(arguments, words, capsys):
@@ -69,26 +62,26 @@ def test_help_names_commands_and_options(arguments, words, capsys):
         (["dance"], "no command 'dance'. There are demo, run"),
         (["dmo"], "Did you mean 'demo'?"),
         (["demo", "--hedless"], "--hedless. Did you mean '--headless'?"),
-        (["sweep", "a.yaml", "--trails=3"], "Did you mean '--trials'?"),
-        (["plot", "a.mcap", "--xyz"], "arguments: --xyz.\n"),
+        (["plot", "a.mcap", "--xyz"], "--xyz. (see atlas-drake plot --help)"),
         (["run"], "SCENARIO.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
-        (["demo", "--realtime-rate", "fast"], "number from 0 up"),
+        (["demo", "--duration", "long"], "--duration"),
         (["demo", "--port", "80"], "1024..65535"),
         (["demo", "--seed", "x"], "--seed"),
-        (["demo", "--show", "com,aura"], "no overlay 'aura'"),
-        (["teleop", "--show", "aura"], "no overlay 'aura'"),
+        (["teleop", "--show", "com,aura"], "no overlay 'aura'"),
         (["demo", "--video-size", "960"], "960x540"),
         (["demo", "--video-size", "10x9000"], "64..4096"),
     ],
 )
-def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
+def test_arguments_that_cannot_be_used_exit_with_2_and_one_line(
+    arguments, complaint, capsys
+):
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
     error = capsys.readouterr().err
     assert complaint in error
-    assert "--show: --show" not in error
+    assert error.count("\n") == 1
 
 
 def test_python_m_is_the_same_command():
@@ -153,12 +146,11 @@ def test_options_are_checked_like_the_file(options, complaints, capsys):
 
 
 def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_keys):
-    file = tmp_path / "out.json"
+    file, log, page = (tmp_path / f"run.{end}" for end in ("json", "mcap", "html"))
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
-    arguments += ["--headless", "--json", str(file)]
-    arguments += ["--set", "controller.gains.dcm_gain=2.5", "--set", "seed=8"]
-    log = tmp_path / "run.mcap"
-    arguments += ["--log", str(log)]
+    arguments += ["--duration", "0.06", "--set", "seed=8"]
+    arguments += ["--set", "controller.gains.dcm_gain=2.5", "--headless"]
+    arguments += ["--json", str(file), "--log", str(log), "--record", str(page)]
     assert main(["run", scenario(), *arguments]) == 0
     out = capsys.readouterr().out
     assert "Success: the robot is upright after 0.1 s" in out
@@ -169,14 +161,12 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     assert summary["stopped"] is None
     assert (summary["model"], summary["seed"]) == ("atlas_v3", 8)
     assert summary["physics_step"] == 0.002
-    assert summary["configuration"]["controller"]["gains"]["dcm_gain"] == 2.5
+    assert summary["sim_time"] == pytest.approx(0.06)
     kept = read_log(log)
     # A row at each control tick before the end.
-    assert len(kept) == math.ceil(0.1 / summary["control_period"])
+    assert len(kept) == math.ceil(0.06 / summary["control_period"])
     assert kept.scenario.controller_config().gains.dcm_gain == 2.5
-    assert summary["sim_time"] == pytest.approx(0.1)
-    assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
-    assert len(summary["peak_effort_fraction"]) == 28
+    assert b"/visualizer/atlas_v3/pelvis" in animation_in(page)
 
 
 @pytest.mark.slow
@@ -209,12 +199,10 @@ def test_ctrl_c_ends_a_run_and_its_files_are_complete(scenario, tmp_path, capsys
     assert "Stopped at 0.1 s" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
-def test_a_recording_has_the_motion_and_the_caption(
-    options, scenario, tmp_path, capsys
-):
+def test_a_recording_has_the_motion_and_the_caption(scenario, tmp_path, capsys):
     page = tmp_path / "out.html"
-    assert main(["run", scenario(), "--record", str(page), *options]) == 0
+    options = ["--record", str(page), "--realtime-rate", "0"]
+    assert main(["run", scenario(), *options]) == 0
     assert str(page) in capsys.readouterr().out
     animation = animation_in(page)
     assert b"/visualizer/atlas/pelvis" in animation
@@ -280,12 +268,6 @@ def test_a_name_that_no_file_can_have_is_bad_input(scenario, tmp_path, capsys):
     ):
         assert main(arguments) == 2
         assert "atlas-drake: error: " in capsys.readouterr().err
-    with pytest.raises(LogError, match="File name too long"):
-        read_log(long.replace("json", "mcap"))
-    link = tmp_path / "loop.mcap"
-    link.symlink_to(link)
-    with pytest.raises(LogError, match="symbolic links"):
-        AtlasSimulation(log=link)
 
 
 def test_a_file_may_have_the_longest_name(tmp_path):
@@ -357,14 +339,8 @@ def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
         (["--record", "a.html", "--json", "./a.html"], "--record"),
         (["--json", "scenario.yaml"], "already the file of the scenario"),
         (["--record", "a.txt"], "must end in .html"),
-        *(
-            ([option, "no/file"], option)
-            for option in ("--json", "--record", "--video")
-        ),
-        *(
-            ([option, "."], "is a folder")
-            for option in ("--json", "--record", "--video")
-        ),
+        (["--json", "no/file"], "--json"),
+        (["--video", "."], "is a folder"),
         (["--log", "run.csv"], ".mcap"),
         (["--log", "no/run.mcap"], "there is no folder"),
     ],
@@ -513,49 +489,35 @@ def test_ctrl_c_ends_teleop_cleanly():
 # ---- the diagram's picture ---------------------------------------------------
 
 
-def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
-    file = tmp_path / "diagram.dot"
-    assert main(["diagram", str(file)]) == 0
-    source = file.read_text()
-    for edge in (
-        "scheduler -> command_interface",
-        "controller -> effort_selector",
-        "effort_selector -> plant",
-        "plant -> robot_sensors",
-    ):
-        assert edge in source
-    assert str(file) in capsys.readouterr().out
-
-
-@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-def test_the_diagrams_picture_opens_on_a_desktop(tmp_path, monkeypatch):
-    opened = []
+def test_the_diagram_is_drawn_by_drake_and_opens_on_a_desktop(tmp_path, monkeypatch):
+    opened, calls = [], []
     monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
+    monkeypatch.setattr(shutil, "which", lambda name: name)
+    monkeypatch.setattr(subprocess, "run", lambda *a, **options: calls.append(options))
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.delenv("DISPLAY", raising=False)
     file = tmp_path / "diagram.svg"
     assert main(["diagram", str(file)]) == 0
-    assert opened == []
     monkeypatch.setenv("DISPLAY", ":0")
     assert main(["diagram", str(file), "--no-open"]) == 0
+    assert main(["diagram", str(tmp_path / "diagram.dot")]) == 0
     assert opened == []
     assert main(["diagram", str(file)]) == 0
     assert opened == [file.as_uri()]
-    assert "interface_reporter" in file.read_text()
+    source = (tmp_path / "diagram.dot").read_text()
+    for name in ("scheduler", "station", "controller", "plant", "robot_sensors"):
+        assert f"name={name}\n" in source
+        assert f"name={name}\n" in calls[0]["input"]
 
 
-def test_a_picture_without_graphviz_is_refused(tmp_path, capsys, monkeypatch):
+def test_a_picture_that_cannot_be_drawn_is_bad_input(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert main(["diagram", str(tmp_path / "diagram.png")]) == 2
+    for name, word in {
+        "diagram.png": "install graphviz",
+        "diagram.gif": ".svg",
+        "missing/diagram.dot": "cannot be written",
+    }.items():
+        assert main(["diagram", str(tmp_path / name)]) == 2
+        assert word in capsys.readouterr().err
     assert [*tmp_path.iterdir()] == []
-    error = capsys.readouterr().err
-    assert "install graphviz" in error
-    assert f"ask for {tmp_path / 'diagram.dot'}" in error
-
-
-def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):
-    assert main(["diagram", str(tmp_path / "diagram.gif")]) == 2
-    assert ".svg" in capsys.readouterr().err
-    assert main(["diagram", str(tmp_path / "missing" / "diagram.dot")]) == 2
-    assert "cannot be written" in capsys.readouterr().err
