@@ -70,10 +70,7 @@ def run_file(options: argparse.Namespace) -> int:
 
 
 def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
-    """Reads the scenario of a command; without a file it is the default of this name.
-
-    The error of a file that is a campaign says so.
-    """
+    """Reads a command's scenario; without a file it is the default of this name."""
     path = options.scenario
     if path is None:
         return Scenario(name=name)

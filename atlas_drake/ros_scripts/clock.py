@@ -144,11 +144,7 @@ class Clock:
     def wait_for(self, ready: Callable[[], bool], timeout: float = math.inf) -> bool:
         """Waits until ``ready()``, asked once per control period.
 
-        Returns:
-            False if ``timeout`` [s] passed before.
-
-        Raises:
-            RunEnded: If the run ended before.
+        Returns False if ``timeout`` [s] passed before.
         """
         end = self.sim.time + timeout
         while not ready():

@@ -20,19 +20,10 @@ from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 
 class Program:
-    """A program's file, read and compiled.
-
-    Attributes:
-        path: Path of the file.
-        at_fault: True if the program asked for something unknown; set by ``run``.
-    """
+    """A program's file; ``at_fault`` is True once it asked for something unknown."""
 
     def __init__(self, path: Path, arguments: Sequence[str] = ()) -> None:
-        """Reads and compiles the file.
-
-        Raises:
-            ScriptError: If the file is not valid Python.
-        """
+        """Reads and compiles the file; raises a ScriptError if it cannot be read."""
         self.path, self._arguments = path, list(arguments)
         self._code, self._is_python2 = load_program(path)
         self.at_fault = False
@@ -56,7 +47,7 @@ class Program:
         say: Callable[[str], object],
         complain: Callable[[str], object],
     ) -> str | None:
-        """Runs the program until it or the run ends.
+        """Runs the program; returns None, or what went wrong.
 
         Args:
             sim: The simulation.
@@ -65,12 +56,6 @@ class Program:
             end: Latest simulated time of the run [s].
             say: Prints a line.
             complain: Prints an error of the program.
-
-        Returns:
-            None, or a description of what went wrong.
-
-        Raises:
-            KeyboardInterrupt: If Ctrl-C came while the program computed.
         """
         self._clock = clock = Clock(sim, ended, end)
         node = RosNode(clock, say)

@@ -30,11 +30,7 @@ DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"
 
 
 def load_program(path: Path) -> tuple[CodeType, bool]:
-    """Reads and compiles a program; returns its code, and True if it is Python 2.
-
-    Raises:
-        ScriptError: If the file cannot be read or is not valid Python; names the line.
-    """
+    """Reads and compiles a program; returns its code, and True if it is Python 2."""
     try:
         with tokenize.open(path) as file:
             source = file.read()
@@ -52,12 +48,7 @@ def load_program(path: Path) -> tuple[CodeType, bool]:
 
 
 def _as_python3(source: str) -> str:
-    """Translates a Python 2 program, whose lines stay where they are.
-
-    Raises:
-        SyntaxError: If it is neither valid Python 2 nor 3, or fissix is needed and not
-            installed.
-    """
+    """Translates a Python 2 program, whose lines stay where they are."""
     tabs = re.compile(r"^[ \t]*\t[ \t]*", re.MULTILINE)
     source = tabs.sub(lambda found: found[0].expandtabs(_TAB), source)
     try:

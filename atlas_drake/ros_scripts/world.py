@@ -63,12 +63,7 @@ class StandIn(ModuleType):
 
 
 def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
-    """Return all modules of ROS by full name.
-
-    Args:
-        rospy: Contents of ``rospy``.
-        robot: Robot whose joints ``AtlasState`` names.
-    """
+    """Return all modules of ROS by full name, for a robot and contents of ``rospy``."""
     contents: dict[str, Mapping[str, Any]] = {
         "PyKDL": poses.KDL,
         "roslib": {"load_manifest": lambda *_packages: None},
@@ -92,11 +87,7 @@ def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
 
 
 class World:
-    """The environment of one program.
-
-    Attributes:
-        folders: Folders of the program and of the packages that it imports from there.
-    """
+    """The environment of one program; ``folders`` are those whose modules share it."""
 
     def __init__(self, folder: Path, clock: Clock, say: Callable[[str], object]):
         """Takes time from ``clock``; ``say`` prints notes."""
