@@ -15,7 +15,7 @@ from atlas_drake.ros_scripts.clock import ENDED, Clock
 from atlas_drake.ros_scripts.python2 import load_program
 from atlas_drake.ros_scripts.rospy_module import RosNode
 from atlas_drake.ros_scripts.unknown import LIST, ScriptError
-from atlas_drake.ros_scripts.world import World, as_main, is_in_world, stand_ins
+from atlas_drake.ros_scripts.world import World, as_main, stand_ins
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 
@@ -109,12 +109,9 @@ class Program:
         return None
 
     def _traceback(self, error: Exception) -> str:
-        """Return the traceback, with the program's own lines only."""
-        own = [
-            traceback.FrameSummary(frame.f_code.co_filename, line, frame.f_code.co_name)
-            for frame, line in traceback.walk_tb(error.__traceback__)
-            if is_in_world(frame)
-        ]
-        lines = ["Traceback (most recent call last):\n", *traceback.format_list(own)]
-        lines.append(f"{type(error).__name__}: {error}")
-        return "".join(lines)
+        """Return the traceback from the program's first line on."""
+        begin = error.__traceback__
+        while begin and begin.tb_frame.f_code.co_filename != str(self.path):
+            begin = begin.tb_next
+        lines = traceback.format_exception(type(error), error, begin, chain=False)
+        return "".join(lines).rstrip()

@@ -21,8 +21,11 @@ from typing import Any
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 _PYTHON3 = re.compile(r"#!.*\bpython3")
-_NOT_FIXED = {"future", "import", "intern", "reduce", "reload"}
-"""Fixers of fissix that would move lines, or need a package around the program."""
+_NOT_FIXED = {
+    *("future", "import"),
+    *("exitfunc", "intern", "operator", "reduce", "reload", "sorted"),
+}
+"""Fixers of fissix about packages, and those that add lines, which errors name."""
 _TAB = 8
 """Columns of a tab in Python 2."""
 DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"

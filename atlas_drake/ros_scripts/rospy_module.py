@@ -82,9 +82,7 @@ class Parameters:
         *groups, last = self._path(name)
         group = self._tree
         for part in groups:
-            if not isinstance(group.get(part), dict):
-                group[part] = {}
-            group = group[part]
+            group = group.setdefault(part, {})
         group[last] = copy.deepcopy(value)
 
     def _path(self, name: str) -> list[str]:
@@ -121,37 +119,32 @@ class RosNode:
                 """Return the simulated time."""
                 return Time.from_sec(clock.now)
 
-        loggers = {
-            f"log{name}": partial(self._log, level) for name, level in LOGGERS.items()
+        return {
+            **LEVELS,
+            **{f"log{end}": partial(self._log, LOGGERS[end]) for end in LOGGERS},
+            "init_node": self._init,
+            "get_name": lambda: f"/{self._name}",
+            "myargv": _own_arguments,
+            "Publisher": partial(Publisher, clock, self._say),
+            "Subscriber": partial(Subscriber, clock),
+            "wait_for_message": partial(wait_for_message, clock),
+            "Rate": partial(Rate, clock),
+            "Time": Time,
+            "Duration": Duration,
+            "sleep": partial(sleep, clock),
+            "spin": partial(spin, clock),
+            "get_time": lambda: clock.now,
+            "get_rostime": Time.now,
+            "is_shutdown": self._is_shut_down,
+            "on_shutdown": self._at_end.append,
+            "signal_shutdown": self._shut_down,
+            "ROSException": RosError,
+            "ROSInterruptException": RosInterruptError,
+            "get_param": parameters.get,
+            "has_param": parameters.has,
+            "set_param": parameters.set,
+            "logdebug": lambda *_arguments: None,
         }
-        return (
-            LEVELS
-            | loggers
-            | {
-                "init_node": self._init,
-                "get_name": lambda: f"/{self._name}",
-                "myargv": _own_arguments,
-                "Publisher": partial(Publisher, clock, self._say),
-                "Subscriber": partial(Subscriber, clock),
-                "wait_for_message": partial(wait_for_message, clock),
-                "Rate": partial(Rate, clock),
-                "Time": Time,
-                "Duration": Duration,
-                "sleep": partial(sleep, clock),
-                "spin": partial(spin, clock),
-                "get_time": lambda: clock.now,
-                "get_rostime": Time.now,
-                "is_shutdown": self._is_shut_down,
-                "on_shutdown": self._at_end.append,
-                "signal_shutdown": self._shut_down,
-                "ROSException": RosError,
-                "ROSInterruptException": RosInterruptError,
-                "get_param": parameters.get,
-                "has_param": parameters.has,
-                "set_param": parameters.set,
-                "logdebug": lambda *_arguments: None,
-            }
-        )
 
     def end(self) -> None:
         """Calls the functions given to ``on_shutdown``, once."""

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from functools import partial
 from importlib.machinery import SOURCE_SUFFIXES, FileFinder, SourceFileLoader
 from pathlib import Path
-from types import CodeType, FrameType, ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from atlas_drake.robot import Robot
@@ -34,13 +34,6 @@ from atlas_drake.ros_scripts.unknown import ScriptError, UnknownNameError, unkno
 
 REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}
 """Modules of Python that wait in other ways than ``time`` and ``threading``."""
-_MARK = "__atlas_drake_script__"
-"""A name that only the builtins of programs contain."""
-
-
-def is_in_world(frame: FrameType) -> bool:
-    """Tell whether a frame runs code of the program."""
-    return _MARK in frame.f_builtins
 
 
 class StandIn(ModuleType):
@@ -107,7 +100,6 @@ class World:
             **vars(builtins),
             **({**BUILTINS, DIVIDE: self._divide} if old else {}),
             "__import__": partial(_import, modules),
-            _MARK: True,
         }
         exec(code, names)
 
