@@ -34,11 +34,9 @@ def run(run):
     ("text", "seconds"),
     [
         ("time.sleep(0.04)", 0.04),
-        ("rospy.sleep(0.04)", 0.04),
         ("rospy.sleep(rospy.Duration(0.04))", 0.04),
         ("rospy.sleep(-1.0)", 0.0),
         ("t = time.time()\nwhile time.time() - t < 0.04: pass", 0.04),
-        ("while rospy.get_time() < 0.04: pass", 0.04),
         ("while rospy.Time.now() < rospy.Time(0.04): pass", 0.04),
         ("rate = rospy.Rate(100)\nfor i in range(4): rate.sleep()", 0.04),
         (
@@ -227,9 +225,7 @@ print([worker.is_alive() for worker in workers])
     assert ran.sim.time == pytest.approx(0.03)
 
 
-@pytest.mark.parametrize(
-    ("text", "at_fault"), [("[][0]", False), ("rospy.Foo", True), ("5 + ''", False)]
-)
+@pytest.mark.parametrize(("text", "at_fault"), [("[][0]", False), ("rospy.F", True)])
 def test_an_error_in_a_callback_ends_the_program(run, text, at_fault):
     ran = run(f"""
 rospy.Subscriber("/clock", Clock, lambda message: {text})
@@ -237,7 +233,6 @@ rospy.spin()
 print("shut down")
 """)
     assert ran.printed == ["shut down"]
-    assert ran.problem.startswith("program.py: ")
     assert "program.py" in ran.complained
     assert ran.at_fault is at_fault
     assert ran.sim.time == pytest.approx(0.004)
@@ -302,10 +297,8 @@ rospy.sleep(0.02)
     ("word", "behavior"),
     [
         ("User", Behavior.USER),
-        ("Freeze", Behavior.FREEZE),
         ("walk", Behavior.WALK),
         ("STEP", Behavior.STEP),
-        ("StandPrep", Behavior.STAND_PREP),
         ("stand_prep", Behavior.STAND_PREP),
     ],
 )
@@ -335,29 +328,18 @@ rospy.sleep(0.01)
     assert [event.kind for event in ran.sim.events][-2:] == ["reset", "harness"]
 
 
-def test_a_mode_without_a_harness_is_a_hint_and_the_program_continues(run):
-    text = "p = rospy.Publisher('/atlas/mode', String)\np.publish('harnessed')\n"
-    ran = run(text)
-    assert ran.problem is None
-    assert "start.harnessed=true" in ran.said[0]
-
-
-def test_a_command_without_effect_is_noted_once(run):
-    text = "p = rospy.Publisher('atlas/atlas_command', AtlasCommand)\n" + (
-        "p.publish(AtlasCommand(position=[0.0] * 28))\n" * 2
-    )
-    ran = run(text)
-    assert len(ran.said) == 1
-    assert "initial_behavior=USER" in ran.said[0]
-
-
-def test_a_refused_message_is_an_event_and_the_program_continues(run):
+def test_commands_without_effect_are_noted_once_and_the_program_continues(run):
     ran = run("""
-p = rospy.Publisher("atlas/atlas_command", AtlasCommand)
-p.publish(AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28))
+command = rospy.Publisher("atlas/atlas_command", AtlasCommand)
+for i in range(2):
+    command.publish(AtlasCommand(position=[0.0] * 28))
+rospy.Publisher("/atlas/mode", String).publish("harnessed")
+command.publish(AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28))
 print("on")
 """)
     assert ran.printed == ["on"]
+    assert ["initial_behavior=USER" in said for said in ran.said] == [True, False]
+    assert "start.harnessed=true" in ran.said[1]
     refusals = [event.text for event in ran.sim.events if event.kind == "refusal"]
     assert "position" in refusals[0]
     assert set(ran.sim.atlas_state.k_effort) == {0}
@@ -372,24 +354,10 @@ print("on")
         ("import queue", ["module queue", "threading"]),
         ("import foo_msgs.msg", ["foo_msgs"]),
         ("rospy.Publisher('/foo', String)", ["'/foo'", "/atlas/atlas_command"]),
-        (
-            "rospy.Subscriber('/atlas/atlas_stat', AtlasState)",
-            ["Did you mean '/atlas/atlas_state'"],
-        ),
-        (
-            "rospy.Publisher('/atlas/atlas_state', AtlasState)",
-            ["publishing on", "/atlas/atlas_command"],
-        ),
-        (
-            "rospy.Publisher('/atlas/mode', AtlasState)",
-            ["/atlas/mode has messages std_msgs/String, not atlas_msgs/AtlasState"],
-        ),
+        ("rospy.Subscriber('atlas/mode', String)", ["'atlas/mode'", "/atlas/imu"]),
+        ("rospy.Publisher('/atlas/mode', Imu)", ["std_msgs/String", "sensor_msgs/Imu"]),
         ("AtlasCommand().foo = 1", ["field foo of atlas_msgs/AtlasCommand"]),
         ("rospy.get_param('foo')", ["parameter 'foo'"]),
-        (
-            "rospy.Publisher('/atlas/mode', String).publish('pinned')",
-            ["'pinned'", "harnessed"],
-        ),
         (
             "rospy.Publisher('/atlas/control_mode', String).publish('Dance')",
             ["'Dance'", "Stand"],
@@ -421,21 +389,18 @@ def test_hasattr_and_defaults_work_for_unknown_names(run):
     assert run(text).printed == ["False 3", "4 False"]
 
 
-def test_a_message_of_another_type_is_a_type_error(run):
-    text = "p = rospy.Publisher('/atlas/mode', String)\np.publish(AtlasCommand())\n"
-    ran = run(text)
-    assert "TypeError: /atlas/mode has messages std_msgs/String" in ran.complained
-    assert not ran.at_fault
-
-
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("raise SystemExit", None),
         ("import sys; sys.exit(0)", None),
         ("import sys; sys.exit(3)", "program.py ended with status 3"),
         ("import sys; sys.exit('no')", "program.py gave up: no"),
         ("[][0]", "program.py: IndexError: list index out of range"),
+        (
+            "rospy.Publisher('/atlas/mode', String).publish(Imu())",
+            "program.py: TypeError: /atlas/mode has messages std_msgs/String, not "
+            "sensor_msgs/Imu",
+        ),
     ],
 )
 def test_the_end_of_a_program_is_reported(run, text, problem):
