@@ -209,18 +209,24 @@ class Clock:
             raise RunEnded
 
     def _run_until(self, time: float) -> None:
-        """Simulates until a time or the end; lets threads run whose wait is over."""
-        while True:
+        """Simulates until a time or the end; lets threads run whose wait is over.
+
+        Of the waits that end at the same time, that which began first ends first.
+        """
+        own = self._queued(time)
+        while own in self._waiting:
             over = self.over
-            for wait in list(self._waiting):
-                if over or self._reached(wait.until):
-                    self._waiting.remove(wait)
-                    wait.turn.set()
-                    self._turn_over.acquire()
-            if over or self._reached(time):
-                return
-            if not self._shut_down:
-                self._simulate(min([time, *(wait.until for wait in self._waiting)]))
+            due = [w for w in self._waiting if over or self._reached(w.until)]
+            if over:  # The main thread goes on when the others have ended.
+                due.sort(key=lambda wait: wait is own)
+            for wait in due:
+                self._waiting.remove(wait)
+                if wait is own:
+                    return
+                wait.turn.set()
+                self._turn_over.acquire()
+            if not due:
+                self._simulate(min(wait.until for wait in self._waiting))
 
     def _simulate(self, time: float) -> None:
         """Simulates until ``time`` [s], or until the next look at the run's end."""

@@ -181,9 +181,9 @@ lock.release()
 """)
     assert ran.printed == [
         "False 0.02",
-        "True 0.024 []",
+        "True 0.028 []",
         # The first call waits for the lock, asking once per control period.
-        "[0.024, 0.06, 0.064] True",
+        "[0.024, 0.064] True",
         "False",
     ], ran.complained
 
