@@ -34,6 +34,8 @@ def simulated_threading(clock: Clock) -> dict[str, Any]:
         def is_alive(self) -> bool:
             return clock.is_running(self)
 
+        isAlive = is_alive  # Its name in Python 2.
+
         def join(self, timeout: float | None = None) -> None:
             clock.wait_for(lambda: not clock.is_running(self), _limit(timeout))
 

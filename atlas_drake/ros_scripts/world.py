@@ -156,7 +156,7 @@ def as_main(
     path: Path,
     arguments: Sequence[str],
     world: World,
-    stand_ins: Mapping[str, ModuleType],
+    modules: Mapping[str, ModuleType],
 ) -> Iterator[ModuleType]:
     """Makes a program ``__main__``, with its own arguments, folder and modules."""
 
@@ -173,18 +173,17 @@ def as_main(
     sys.path.insert(0, folder)
     sys.path_hooks.insert(0, find_in_world)
     sys.path_importer_cache.pop(folder, None)
-    sys.modules.update({**stand_ins, "__main__": main})
+    sys.modules.update({**modules, "__main__": main})
     try:
         yield main
     finally:
         sys.path_hooks.remove(find_in_world)
-        sys.argv, sys.path[:], modules = before
+        sys.argv, sys.path[:], known = before
         for entry in world.folders:
             sys.path_importer_cache.pop(entry, None)
         for name, module in list(sys.modules.items()):
-            if isinstance(getattr(module, "__loader__", None), _Loader):
+            of_program = isinstance(getattr(module, "__loader__", None), _Loader)
+            if of_program or name in modules:
                 del sys.modules[name]
-        for name in [*stand_ins, "__main__"]:
-            sys.modules.pop(name, None)
-            if name in modules:
-                sys.modules[name] = modules[name]
+        for name in {*modules, "__main__"} & set(known):
+            sys.modules[name] = known[name]
