@@ -11,6 +11,7 @@ import shutil
 import threading
 import time
 from collections import deque
+from datetime import timedelta
 from typing import TextIO
 
 from atlas_drake.messages.event import Event
@@ -21,8 +22,6 @@ RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
 AGAIN = 2.0
 """Wall time between repetitions of a campaign's progress [s]."""
-BAR = 24
-"""Width of a bar [characters]."""
 
 
 class StatusLine:
@@ -131,8 +130,8 @@ class TrialProgress(StatusLine):
     def _show_latest(self) -> None:
         with self._lock:
             if not self._ended.is_set():
-                so_far = duration_text(time.perf_counter() - self._begin)
-                self.show(f"{self._latest} | {so_far} so far")
+                so_far = round(time.perf_counter() - self._begin)
+                self.show(f"{self._latest} | {timedelta(seconds=so_far)} so far")
 
     def update(self, success: bool, done: int, total: int) -> None:
         """Says how far the campaign is, after a trial.
@@ -142,23 +141,12 @@ class TrialProgress(StatusLine):
         self._done += 1
         self._successes += success
         each = (time.perf_counter() - self._begin) / self._done
-        bar = "#" * round(BAR * done / total)
         percent = 100.0 * self._successes / self._done
         self._latest = (
-            f"[{bar:.<{BAR}}] {done} of {total} trials | {percent:.0f} % of these "
-            f"{self._done} succeed | {duration_text(each * (total - done))} left"
+            f"{done} of {total} trials | {percent:.0f} % of these {self._done} succeed "
+            f"| {timedelta(seconds=round(each * (total - done)))} left"
         )
         self._show_latest()
-
-
-def duration_text(seconds: float) -> str:
-    """A time as people say it: 45 s, 12 min, 3 h 05 min."""
-    minutes = round(seconds / 60.0)
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return (
-        f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02} min"
-    )
 
 
 def event_line(event: Event) -> str:

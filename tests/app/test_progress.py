@@ -71,7 +71,7 @@ def test_a_long_trial_is_not_silent(monkeypatch):
     monkeypatch.setattr(progress, "AGAIN", 0.01)
     stream = Terminal()
     with TrialProgress(stream) as shown:
-        while "no trial done yet | 0 s so far" not in stream.getvalue():
+        while "no trial done yet | 0:00:00 so far" not in stream.getvalue():
             time.sleep(0.01)
         shown.update(True, 1, 3)
         assert "1 of 3 trials | 100 % of these 1 succeed" in stream.getvalue()
