@@ -29,7 +29,6 @@ from atlas_drake import (
     film,
     read_log,
 )
-from atlas_drake.app.diagram_picture import write_diagram_picture
 from atlas_drake.app.main import main as atlas_drake
 from atlas_drake.scenario.world_file import View
 from atlas_drake.visualization.overlays import Overlays
@@ -37,7 +36,6 @@ from atlas_drake.visualization.viewer import start_meshcat
 
 PAGES = ("films", "readme", "cockpit", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
-DIAGRAM = Path(__file__).parent / "reference" / "diagram.svg"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
 """Push of ``push.mp4`` [N·s], and its camera."""
@@ -142,8 +140,6 @@ def make_films() -> None:
 
 def make_readme_pictures(browser: str) -> None:
     """Makes the pictures of the README."""
-    write_diagram_picture(DIAGRAM)
-    print(f"Wrote {DIAGRAM}.")
     meshcat = start_meshcat()
     sim = AtlasSimulation(view=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()

@@ -29,12 +29,7 @@ ASIDE = 1.5
 
 
 def play_in_cockpit(log: Log, beside: Log | None, options: argparse.Namespace) -> int:
-    """Shows a log, and one beside it, until Ctrl-C; returns the exit status.
-
-    Raises:
-        LogError: If a log cannot be drawn.
-        CockpitError: If the cockpit cannot be served.
-    """
+    """Shows a log, and one beside it, until Ctrl-C; returns the exit status."""
     quiet_logs()
     progress = Progress(sys.stdout, math.inf)
     overlays = Overlays(shown_of_log(options.show, log, progress))

@@ -1,7 +1,4 @@
-"""Handling of Ctrl-C during a run and while files are written.
-
-Independent of the command that runs.
-"""
+"""Handling of Ctrl-C during a run and while files are written."""
 
 from __future__ import annotations
 
@@ -20,10 +17,7 @@ def ctrl_c(
 ) -> Iterator[threading.Event]:
     """Turns Ctrl-C into a flag, so that no simulation step is interrupted.
 
-    A second Ctrl-C interrupts at once, and so does the first where that does no harm.
-
-    Args:
-        may_interrupt: Tells whether a KeyboardInterrupt does no harm now.
+    A second Ctrl-C interrupts at once, and so does the first if ``may_interrupt``.
     """
     asked = threading.Event()
 
@@ -51,8 +45,7 @@ def nothing_cut_off() -> Iterator[None]:
 
 @contextmanager
 def _on_ctrl_c(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Installs a handler, and restores the previous one afterwards."""
-    # Only the main thread receives signals, and only it may change their handlers.
+    """Installs a handler in the main thread, which alone receives signals."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,17 +1,17 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
 Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``, films
-in ``film``, campaigns in ``sweep``, the picture of the diagram in ``diagram_picture``.
+in ``film``, campaigns in ``sweep``, the picture of the diagram in ``diagram``.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import NoReturn
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.options import (
@@ -25,7 +25,6 @@ from atlas_drake.app.options import (
     size,
     view,
 )
-from atlas_drake.app.parts import behaviors_told
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.errors import AtlasError, did_you_mean
 from atlas_drake.visualization import FILM_SIZE
@@ -39,14 +38,7 @@ _LOG_EXIT_STATUS = f"exit status: 0 done, 2 bad input, {_LOST}, 130 stopped by C
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs one command.
-
-    Args:
-        arguments: Arguments of the command line; None takes the process's own.
-
-    Returns:
-        The exit status.
-    """
+    """Runs one command, by default that of the process; returns the exit status."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     own: list[str] = []
     if given[:1] == ["script"] and "--" in given:
@@ -73,6 +65,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that says in one line what is wrong, and where the help is."""
+
+    def error(self, message: str) -> NoReturn:
+        """Ends the process."""
+        self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
 def _parsed(given: Sequence[str]) -> argparse.Namespace:
     """Parses the arguments; ends the process with a suggestion for a mistyped word."""
     parser, commands = _parser(given)
@@ -89,11 +89,7 @@ def _parsed(given: Sequence[str]) -> argparse.Namespace:
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
-    """Checks that input files exist, before Drake loads, which takes seconds.
-
-    Raises:
-        AtlasError: If an input file does not exist.
-    """
+    """Checks that input files exist, before Drake loads, which takes seconds."""
     for path in [getattr(options, name, None) for name in options.reads]:
         try:
             missing = path is not None and not path.exists()
@@ -103,22 +99,32 @@ def _check_files_read(options: argparse.Namespace) -> None:
             raise AtlasError(f"{path}: there is no such file")
 
 
+def _behaviors_and_worlds() -> str:
+    """Returns what the help of a run says of the names that it takes."""
+    # Drake loads only for those who ask.
+    from atlas_drake.messages.behavior_catalog import SHIPPED
+    from atlas_drake.scenario.world_file import available_worlds, load_world
+
+    behaviors = [
+        f"{entry.name} ({entry.number}): {entry.description.rstrip('.')}"
+        for entry in SHIPPED
+    ]
+    worlds = [f"{name} ({load_world(name).description})" for name in available_worlds()]
+    return (
+        f". Behaviors that a command can ask for: {'; '.join(behaviors)}. "
+        f"Worlds: {', '.join(worlds)}."
+    )
+
+
 def _parser(
     given: Sequence[str],
-) -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+) -> tuple[_Parser, dict[str, _Parser]]:
     """Returns the parser, and the parsers of the commands by their names."""
     told = ""
-    if {"-h", "--help"} & set(given) and {"demo", "run", "script", "teleop"} & set(
-        given
-    ):
-        # Drake loads only for those who ask.
-        from atlas_drake.scenario.world_file import available_worlds, load_world
-
-        worlds = [
-            f"{name} ({load_world(name).description})" for name in available_worlds()
-        ]
-        told = f". {behaviors_told(given)} Worlds: {', '.join(worlds)}."
-    parser = argparse.ArgumentParser(
+    asks_for_help = not {"-h", "--help"}.isdisjoint(given)
+    if asks_for_help and given[0] in ("demo", "run", "script", "teleop"):
+        told = _behaviors_and_worlds()
+    parser = _Parser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
         "and under behaviors that stand and walk.",
@@ -175,13 +181,6 @@ def _parser(
         type=Path,
         help="what is simulated (default: Atlas in STAND on level ground); the program "
         "decides how long",
-    )
-    script.add_argument(
-        "--duration",
-        type=rate,
-        metavar="SECONDS",
-        help="simulate for so long: end a program that goes on, and go on after one "
-        "that has ended (default: as long as the program runs)",
     )
     add_run_options(script)
     script.set_defaults(run="script.run_script", reads=("file", "scenario", "parts"))
@@ -302,7 +301,6 @@ def _parser(
     teleop.add_argument(
         "--duration",
         type=rate,
-        default=math.inf,
         metavar="SECONDS",
         help="end after this simulated time (default: no end)",
     )
@@ -333,7 +331,7 @@ def _parser(
         action="store_true",
         help="do not open the picture where there is a desktop",
     )
-    diagram.set_defaults(run="diagram_picture.show_diagram_picture", reads=())
+    diagram.set_defaults(run="diagram.show_diagram", reads=())
     return parser, commands.choices
 
 
@@ -349,13 +347,7 @@ class _Version(argparse.Action):
 
     def __call__(self, parser, *_arguments) -> None:  # type: ignore[no-untyped-def]
         """Prints the versions that matter in a bug report."""
-        from importlib.metadata import PackageNotFoundError, version
+        from importlib.metadata import version
 
-        def of(name: str) -> str:
-            try:
-                return version(name)
-            except PackageNotFoundError:
-                return "(not installed)"
-
-        print(f"atlas-drake {of('atlas-drake')}, drake {of('drake')}")
+        print(f"atlas-drake {version('atlas-drake')}, drake {version('drake')}")
         parser.exit()

@@ -56,8 +56,15 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Adds every option that ``demo`` and ``run`` share."""
+    """Adds every option that ``demo``, ``run`` and ``script`` share."""
     add_robot_options(parser)
+    parser.add_argument(
+        "--duration",
+        type=rate,
+        metavar="SECONDS",
+        help="simulate for so long (default: as the scenario says; of a script, as "
+        "long as the program runs)",
+    )
     view = parser.add_argument_group("how you watch it")
     add_speed_options(view, "no 3D view: as fast as possible, for scripts and servers")
     view.add_argument(

@@ -34,14 +34,9 @@ WEB_PAGES = (".html", ".htm")
 
 
 def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
-    """Checks the output paths before the run.
+    """Checks, before the run, that the files of these options can be written.
 
-    Args:
-        options: Options of the command line; None means no file.
-        names: Names of the options that name a file to write.
-
-    Raises:
-        ScenarioError: If a file cannot be written, or would overwrite another one.
+    Refuses a file that is named twice, or that is read.
     """
     taken = {}
     for name in ("scenario", "log"):
@@ -71,14 +66,8 @@ def keep(
 ) -> bool:
     """Writes a file at the end of a run; returns True on success.
 
-    A file that cannot be written does not affect the others.
-
-    Args:
-        path: Path of the file.
-        write: Writes the file.
-        progress: Prints to the user.
-        use: Makes, from the result of ``write``, the end of the sentence that names the
-            file.
+    A file that cannot be written does not affect the others. ``use`` makes, from the
+    result of ``write``, the end of the sentence that names the file.
     """
     try:
         written = write()
@@ -120,11 +109,7 @@ def keep_log(
 
 
 def check_writable(option: str, path: Path) -> None:
-    """Checks an output path before the run.
-
-    Raises:
-        ScenarioError: If no file can be written there.
-    """
+    """Raises a ScenarioError if no file can be written there."""
     problem = why_not_writable(path)
     if problem is not None:
         raise ScenarioError(option, str(path), problem)
@@ -133,12 +118,7 @@ def check_writable(option: str, path: Path) -> None:
 def cockpit_asked_for(
     options: argparse.Namespace, overlays: Overlays
 ) -> Cockpit | None:
-    """Serves the cockpit, if it is asked for.
-
-    Raises:
-        ScenarioError: If it cannot be used with the other options.
-        CockpitError: If it cannot be served.
-    """
+    """Serves the cockpit, if it is asked for."""
     if not options.cockpit:
         return None
     if options.headless:
@@ -154,9 +134,6 @@ def open_view(
     """Serves a 3D view if it is watched or recorded.
 
     Call it before the diagram is built, whose first picture belongs to the recording.
-
-    Raises:
-        ScenarioError: If its address cannot be used.
     """
     if options.headless and options.record is None:
         return None

@@ -11,6 +11,7 @@ import shutil
 import threading
 import time
 from collections import deque
+from datetime import timedelta
 from typing import TextIO
 
 from atlas_drake.messages.event import Event
@@ -20,11 +21,7 @@ REPEAT = 5.0
 RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
 AGAIN = 2.0
-"""Wall time between repetitions of a campaign's progress on a terminal [s]."""
-AGAIN_AS_LINES = 60.0
-"""The same where each is a line of its own, as in the log of a batch queue [s]."""
-BAR = 24
-"""Width of a bar [characters]."""
+"""Wall time between repetitions of a campaign's progress [s]."""
 
 
 class StatusLine:
@@ -65,14 +62,11 @@ class StatusLine:
             self._shown = 0
 
     def _put(self, text: str) -> None:
-        """Writes at once, and to nobody when nobody reads any more, as after | head.
-
-        A run goes on then, so that its log and video are completed.
-        """
         try:
             self._stream.write(text)
             self._stream.flush()
         except BrokenPipeError:
+            # Nobody reads any more, as after | head; the run completes its files.
             nobody = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nobody, self._stream.fileno())
             os.close(nobody)
@@ -84,7 +78,7 @@ class Progress(StatusLine):
     def __init__(self, stream: TextIO, end: float) -> None:
         """Prints to ``stream`` about a run that ends at ``end`` [s], or never."""
         super().__init__(stream)
-        self._end = end
+        self._end = f" of {end:g} s" if math.isfinite(end) else ""
         self._times: deque[tuple[float, float]] = deque()
 
     def event(self, event: Event) -> None:
@@ -92,12 +86,7 @@ class Progress(StatusLine):
         self.say(event_line(event))
 
     def update(self, sim_time: float, behavior: str) -> None:
-        """Says how far the run is.
-
-        Args:
-            sim_time: Simulated time [s].
-            behavior: Name of the behavior that is active.
-        """
+        """Says how far the run is, at a simulated time [s]."""
         now = time.perf_counter()
         self._times.append((now, sim_time))
         while len(self._times) > 2 and now - self._times[1][0] > RATE_WINDOW:
@@ -105,8 +94,7 @@ class Progress(StatusLine):
         wall = now - self._times[0][0]
         simulated = sim_time - self._times[0][1]
         rate = f"{simulated / wall:.2f} x real time" if wall > 0.0 else ""
-        end = f" of {self._end:g} s" if math.isfinite(self._end) else ""
-        self.show(f"{sim_time:7.2f} s{end} | {rate:>16} | {behavior}")
+        self.show(f"{sim_time:7.2f} s{self._end} | {rate:>16} | {behavior}")
 
 
 class TrialProgress(StatusLine):
@@ -121,7 +109,7 @@ class TrialProgress(StatusLine):
         self._begin = time.perf_counter()
         self._done = self._successes = 0
         self._latest = "no trial done yet"
-        self._turns = threading.RLock()
+        self._lock = threading.RLock()
         self._ended = threading.Event()
 
     def __enter__(self) -> TrialProgress:
@@ -131,51 +119,34 @@ class TrialProgress(StatusLine):
 
     def __exit__(self, *_: object) -> None:
         """Ends it."""
-        self._ended.set()
-        with self._turns:
+        with self._lock:
+            self._ended.set()
             self.clear()
 
     def _repeat(self) -> None:
-        while not self._ended.wait(AGAIN if self._live else AGAIN_AS_LINES):
-            with self._turns:
-                if not self._ended.is_set():
-                    self._show_latest()
+        while not self._ended.wait(AGAIN):
+            self._show_latest()
 
     def _show_latest(self) -> None:
-        so_far = duration_text(time.perf_counter() - self._begin)
-        self.show(f"{self._latest} | {so_far} so far")
+        with self._lock:
+            if not self._ended.is_set():
+                so_far = round(time.perf_counter() - self._begin)
+                self.show(f"{self._latest} | {timedelta(seconds=so_far)} so far")
 
     def update(self, success: bool, done: int, total: int) -> None:
         """Says how far the campaign is, after a trial.
 
-        Args:
-            success: Of that trial.
-            done: Trials that are done, those of earlier calls among them.
-            total: Trials that there are, as far as is known.
+        ``done`` and ``total`` count the trials of earlier calls, too.
         """
         self._done += 1
         self._successes += success
         each = (time.perf_counter() - self._begin) / self._done
-        filled = round(BAR * done / total)
-        bar = "#" * filled + "." * (BAR - filled)
-        share = 100.0 * self._successes / self._done
-        left = duration_text(each * (total - done))
-        with self._turns:
-            self._latest = (
-                f"[{bar}] {done} of {total} trials | {share:.0f} % of these "
-                f"{self._done} succeed | {left} left"
-            )
-            self._show_latest()
-
-
-def duration_text(seconds: float) -> str:
-    """A time as people say it: 45 s, 12 min, 3 h 05 min."""
-    minutes = round(seconds / 60.0)
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return (
-        f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02} min"
-    )
+        percent = 100.0 * self._successes / self._done
+        self._latest = (
+            f"{done} of {total} trials | {percent:.0f} % of these {self._done} succeed "
+            f"| {timedelta(seconds=round(each * (total - done)))} left"
+        )
+        self._show_latest()
 
 
 def event_line(event: Event) -> str:

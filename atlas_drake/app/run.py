@@ -71,11 +71,7 @@ def run_file(options: argparse.Namespace) -> int:
 
 
 def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
-    """Reads the scenario of a command; without a file it is the default of this name.
-
-    Raises:
-        ScenarioError: If the file is not a valid scenario; says so if it is a campaign.
-    """
+    """Reads a command's scenario; without a file it is the default of this name."""
     path = options.scenario
     if path is None:
         return Scenario(name=name)
@@ -96,7 +92,7 @@ def run_scenario(
     simulate: Simulate | None = None,
     end: float | None = None,
 ) -> int:
-    """Runs a scenario with the options of the command line.
+    """Runs a scenario with the options of the command line; returns the exit status.
 
     Args:
         scenario: The scenario as read; options override its fields.
@@ -104,12 +100,6 @@ def run_scenario(
         simulate: Simulates the run; None simulates until the scenario's duration.
         end: Simulated time of the end [s], infinite if unknown; None is the scenario's
             duration.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        ScenarioError: If an option cannot be used; raised before the run.
     """
     scenario = with_logged_overlays(with_options(scenario, options), options)
     check_outputs(options, ("json", "record", "video", "log"))
@@ -167,12 +157,8 @@ def run_scenario(
 
 
 def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
-    """Returns a scenario with the options of the command line; ``--set`` comes last.
-
-    Raises:
-        ScenarioError: If a resulting value cannot be used.
-    """
-    names = ("model", "world", "seed", "physics_step")
+    """Returns a scenario with the options of the command line; ``--set`` comes last."""
+    names = ("model", "world", "seed", "physics_step", "duration")
     given = {name: getattr(options, name) for name in names}
     changes = {name: value for name, value in given.items() if value is not None}
     return with_settings(replace(scenario, **changes), options.set)
@@ -185,11 +171,7 @@ INTERRUPTED = "interrupted"
 def _simulate(
     sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
 ) -> str | None:
-    """Advances to the scenario's end.
-
-    Returns:
-        None, or the reason of an earlier end other than a fall.
-    """
+    """Advances to the scenario's end; returns why it ended earlier, but by a fall."""
     end = sim.scenario.duration
     with ctrl_c() as asked_to_stop:
         end_pause_on(asked_to_stop, cockpit)

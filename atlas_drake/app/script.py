@@ -6,12 +6,10 @@ The program runs in ``ros_scripts``; views, output files and verdict are in ``ru
 from __future__ import annotations
 
 import argparse
-import contextlib
 import math
 import sys
-import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING, TextIO
+from contextlib import redirect_stdout
+from typing import TYPE_CHECKING, Any, TextIO
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
@@ -32,21 +30,16 @@ if TYPE_CHECKING:
 
 
 def run_script(options: argparse.Namespace) -> int:
-    """Runs a program on the robot of a scenario; returns the exit status.
-
-    Raises:
-        ScriptError: If the program is not valid Python.
-        ScenarioError: If an option cannot be used; raised before the run.
-    """
+    """Runs a program on the robot of a scenario; returns the exit status."""
     scenario = scenario_of(options, options.file.stem)
     program = Program(options.file, options.arguments)
-    end = math.inf if options.duration is None else options.duration
 
     def simulate(
         sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
     ) -> str | None:
         return _simulate(sim, progress, cockpit, program, options.duration)
 
+    end = math.inf if options.duration is None else options.duration
     status = run_scenario(scenario, options, simulate, end)
     if status == exit_status.FAILED and program.at_fault:
         return exit_status.BAD_INPUT
@@ -61,22 +54,30 @@ def _simulate(
     duration: float | None,
 ) -> str | None:
     """Runs the program, then simulates until ``duration`` [s] if it is given."""
-    end = math.inf if duration is None else duration
+    shown = -math.inf
 
-    def may_interrupt() -> bool:
-        return not program.simulating
+    def ended() -> bool:
+        nonlocal shown
+        if sim.time >= shown + PIECE - 1e-9:
+            shown = sim.time
+            progress.update(sim.time, sim.current_behavior.name)
+        return asked_to_stop.is_set() or sim.time >= end_after_fall(sim)
 
     def complain(text: str) -> None:
         progress.clear()
         print(text, file=sys.stderr)
 
-    with ctrl_c(may_interrupt) as asked_to_stop, _shared_output(progress):
+    output: Any = _SharedOutput(sys.stdout, progress)
+    end = math.inf if duration is None else duration
+    with (
+        ctrl_c(lambda: not program.simulating) as asked_to_stop,
+        redirect_stdout(output),
+    ):
         end_pause_on(asked_to_stop, cockpit)
-        ended = _watcher(sim, progress, asked_to_stop)
         try:
             problem = program.run(sim, ended, end, progress.say, complain)
             if problem is None and duration is not None:
-                program.finish()
+                problem = program.finish()
         except KeyboardInterrupt:
             return INTERRUPTED
         if asked_to_stop.is_set():
@@ -89,23 +90,7 @@ def _simulate(
     return problem
 
 
-def _watcher(
-    sim: AtlasSimulation, progress: Progress, asked_to_stop: threading.Event
-) -> Callable[[], bool]:
-    """Returns a function that tells whether the run is over and shows progress."""
-    shown = -math.inf
-
-    def ended() -> bool:
-        nonlocal shown
-        if sim.time >= shown + PIECE - 1e-9:
-            shown = sim.time
-            progress.update(sim.time, sim.current_behavior.name)
-        return asked_to_stop.is_set() or sim.time >= end_after_fall(sim)
-
-    return ended
-
-
-class _Shared:
+class _SharedOutput:
     """Standard output that clears the line of progress before each text."""
 
     def __init__(self, stream: TextIO, progress: Progress) -> None:
@@ -117,12 +102,3 @@ class _Shared:
 
     def __getattr__(self, name: str) -> object:
         return getattr(self._stream, name)
-
-
-def _shared_output(
-    progress: Progress,
-) -> contextlib.AbstractContextManager[object]:
-    """Keeps the program's output and the line of progress apart on a terminal."""
-    if not sys.stdout.isatty():
-        return contextlib.nullcontext()
-    return contextlib.redirect_stdout(_Shared(sys.stdout, progress))  # type: ignore[type-var]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import threading
 from collections.abc import Callable
@@ -29,15 +30,11 @@ from atlas_drake.visualization.viewer import interactive, open_on_desktop
 
 
 def run_teleop(options: argparse.Namespace) -> int:
-    """Runs until Ctrl-C, or for ``options.duration`` [s]; returns the exit status.
-
-    Raises:
-        ScenarioError: If an option cannot be used; raised before the run.
-        CockpitError: If the cockpit cannot be served.
-    """
+    """Runs until Ctrl-C, or for ``options.duration`` [s]; returns the exit status."""
     scenario = with_options(scenario_of(options, "teleop"), options)
     quiet_logs()
-    progress = Progress(sys.stdout, options.duration)
+    end = math.inf if options.duration is None else options.duration
+    progress = Progress(sys.stdout, end)
     cockpit = Cockpit(options.host, options.port, Overlays(options.show))
     cockpit.next_run.why_not = ""
 
@@ -57,10 +54,10 @@ def run_teleop(options: argparse.Namespace) -> int:
         progress.say(f"Steer at {cockpit.web_url()} (Ctrl-C here ends it).")
         if interactive():
             open_on_desktop(cockpit.web_url())
-        failure = _steer(sim, cockpit, progress, options.duration, asked_to_stop)
+        failure = _steer(sim, cockpit, progress, end, asked_to_stop)
         while (asked := cockpit.next_run.take()) is not None:
             sim = followed(sim, asked, build, cockpit, progress)
-            failure = _steer(sim, cockpit, progress, options.duration, asked_to_stop)
+            failure = _steer(sim, cockpit, progress, end, asked_to_stop)
     summary = sim.summary()
     # Teleoperation has no goal to judge; only an error counts as a failure.
     summary["stopped"] = failure or INTERRUPTED

@@ -1,9 +1,9 @@
 """Simulated time of a program, and the turns of its threads.
 
-One thread of a program runs at a time, until it waits: for a time, or for another
-thread. Simulated time passes only while all threads wait, so that two runs are equal.
-The callback ``ended`` decides when the run ends. Threads are in ``threads``, messages
-in ``topics``.
+The main thread of a program simulates while it waits. Whenever another thread's wait is
+over, that thread runs until it waits again, and time stands still meanwhile: one thread
+runs at a time, in an order that does not change from run to run. The callback ``ended``
+decides when the run ends.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 
 from atlas_drake.ros_scripts.unknown import ScriptError
-from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.simulation import AtlasSimulation, SimulationError
 
-LONGEST_PIECE = 0.1
-"""Simulated time between two looks at whether the run has ended [s]."""
-GLANCES = 20
+MAX_PIECE = 0.1
+"""Maximum simulated time between two looks at whether the run has ended [s]."""
+MAX_QUERIES = 20
 """Number of queries of the time that take no simulated time. After so many queries in a
 row one control period passes, so that a loop that polls the time makes progress."""
-TINY = 1e-9
+TOLERANCE = 1e-9
 """Tolerance of comparisons between times [s]."""
 DIGITS = 9
 """Decimals to which times are rounded, so that sums of many periods do not drift."""
@@ -43,18 +44,12 @@ ENDED = RunEnded, RosInterruptError
 """Errors that end a thread of a program when the run has ended."""
 
 
-class Turn:
-    """The wait of one thread for its turn.
+@dataclass(eq=False)
+class _Wait:
+    """The wait of a thread for a simulated time [s], and then for its turn."""
 
-    Attributes:
-        ready: Tells whether the thread can go on; other threads change it.
-        deadline: Simulated time at which it goes on in any case [s].
-        given: Set when it is this thread's turn.
-    """
-
-    def __init__(self, ready: Callable[[], object], deadline: float = math.inf) -> None:
-        self.ready, self.deadline = ready, deadline
-        self.given = threading.Event()
+    until: float
+    turn: threading.Event = field(default_factory=threading.Event)
 
 
 class Clock:
@@ -65,39 +60,39 @@ class Clock:
         simulating: True while an operation runs that Ctrl-C must not interrupt.
         last_command: Time of the last published message [s].
         error: Error of a callback or of the simulation, which ended the run.
-        threads: The program's threads; the first one is its main thread.
     """
 
     def __init__(
         self, sim: AtlasSimulation, ended: Callable[[], bool], end: float
     ) -> None:
-        """Starts at the simulation's present time.
-
-        Args:
-            sim: The simulation to advance.
-            ended: Tells whether the run is over, and may show progress.
-            end: Latest simulated time of the run [s].
-        """
+        """Starts at the simulation's time; the run lasts to ``end`` [s] at most."""
         self.sim = sim
         self.simulating = False
         self.last_command = -math.inf
         self.error: BaseException | None = None
-        self.threads = [threading.current_thread()]
+        self._main = threading.current_thread()
         self._run_ended, self._end = ended, end
         self._shut_down = self._closed = False
-        self._waiting: list[Turn] = []
-        self._glances = 0
+        self._waiting: list[_Wait] = []
+        self._threads: list[threading.Thread] = []
+        self._turn_over = threading.Semaphore(0)
+        self._queries = 0
 
     @property
     def now(self) -> float:
-        """Simulated time [s]; counts as a query, see ``GLANCES``."""
-        self.glance()
+        """Simulated time [s]; counts as a query, see ``MAX_QUERIES``."""
+        self.count_query()
         return self.sim.time
+
+    @property
+    def period(self) -> float:
+        """Simulated time between two messages of a topic: the control period [s]."""
+        return self.sim.scenario.control_period
 
     @property
     def over(self) -> bool:
         """True if the run is over and time no longer passes."""
-        return self._shut_down or self._run_ended() or self.sim.time >= self._end - TINY
+        return self._shut_down or self._run_ended() or self._reached(self._end)
 
     def shut_down(self, error: BaseException | None = None) -> None:
         """Ends the run, because of ``error`` if one is given."""
@@ -107,8 +102,8 @@ class Clock:
     def close(self) -> None:
         """Ends the run, and every thread that waits."""
         self._shut_down = self._closed = True
-        for turn in self._waiting:
-            turn.given.set()
+        for wait in self._waiting:
+            wait.turn.set()
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
@@ -119,100 +114,125 @@ class Clock:
         finally:
             self.simulating = before
 
-    def glance(self) -> None:
-        """Counts a query of the time; advances after ``GLANCES`` of them."""
-        self._glances += 1
-        if self._glances > GLANCES and not self.over:
+    def count_query(self) -> None:
+        """Counts a query of the time; advances after ``MAX_QUERIES`` of them."""
+        self._queries += 1
+        if self._queries > MAX_QUERIES:
             self.advance_to(self.sim.time + self.period)
 
-    @property
-    def period(self) -> float:
-        """Simulated time between two messages of a topic: the control period [s]."""
-        return self.sim.scenario.control_period
-
     def finish(self) -> None:
-        """Advances from the end of the program to the end of the run.
-
-        Raises:
-            SimulationError: If the physics could not be solved.
-        """
-        while not self._run_ended() and self.sim.time < self._end - TINY:
-            self._advance(self._end)
+        """Advances from the end of the program to the end of the run."""
+        while not (self._run_ended() or self._reached(self._end) or self.error):
+            self._simulate(self._end)
 
     def advance_to(self, time: float) -> bool:
-        """Waits until a simulated time [s].
+        """Waits until a simulated time [s]; returns False if the run ended before."""
+        self._queries = 0
+        thread = threading.current_thread()
+        if thread is self._main:
+            self._run_until(time)
+        elif thread not in self._threads:
+            raise ScriptError(
+                f"{thread.name} waits, but is no threading.Thread of the program"
+            )
+        elif not self._reached(time):
+            wait = self._queued(time)
+            self._turn_over.release()
+            self._take_turn(wait)
+        return self._reached(time)
 
-        Returns:
-            True if that time was reached; False if the run ended before.
+    def wait_for(self, ready: Callable[[], bool], timeout: float = math.inf) -> bool:
+        """Waits until ``ready()``, asked once per control period.
+
+        Returns False if ``timeout`` [s] passed before.
         """
-        try:
-            self.wait_until(lambda: False, time)
-        except RunEnded:
-            return False
+        end = self.sim.time + timeout
+        while not ready():
+            if self._reached(end):
+                return False
+            if not self.advance_to(min(end, self.sim.time + self.period)):
+                if ready():
+                    break
+                raise RunEnded
         return True
 
-    def wait_until(
-        self, ready: Callable[[], object], deadline: float = math.inf
-    ) -> None:
-        """Lets other threads run, and time pass, until ``ready()`` or the deadline [s].
+    def start(self, thread: threading.Thread) -> None:
+        """Starts a thread, whose first turn comes when the main thread waits."""
+        run, wait = thread.run, self._queued(self.sim.time)
+        self._threads.append(thread)
 
-        Raises:
-            RunEnded: If the run ended before.
-            ScriptError: If the program did not start the present thread.
-        """
-        if threading.current_thread() not in self.threads:
-            raise ScriptError(
-                f"{threading.current_thread().name} waits, but was not started by "
-                "threading.Thread of the program; only such threads can wait"
-            )
-        self._glances = 0
-        if ready() or deadline <= self.sim.time + TINY:
-            return
-        turn = Turn(ready, deadline)
-        self.queue(turn)
-        self.pass_on()
-        self.take(turn)
-        if not ready() and self.sim.time < deadline - TINY:
-            raise RunEnded
+        def run_in_turn() -> None:
+            try:
+                with suppress(*ENDED):
+                    self._take_turn(wait)
+                    run()
+            finally:
+                self._threads.remove(thread)
+                self._turn_over.release()
 
-    def queue(self, turn: Turn) -> None:
-        """Puts a thread behind those that wait."""
-        self._waiting.append(turn)
+        thread.run = run_in_turn  # type: ignore[method-assign]
+        threading.Thread.start(thread)
 
-    def take(self, turn: Turn) -> None:
-        """Blocks the present thread until its turn.
+    def start_callbacks(self, loop: Callable[[], object]) -> None:
+        """Runs a loop of callbacks in a thread; an error there ends the run."""
 
-        Raises:
-            RunEnded: If the program is closed.
-        """
-        try:
-            turn.given.wait()
-        finally:
-            if turn in self._waiting:  # Ctrl-C came.
-                self._waiting.remove(turn)
+        def run() -> None:
+            try:
+                loop()
+            except BaseException as error:
+                self.shut_down(error)
+
+        thread = threading.Thread(target=run, daemon=True)
+        self.start(thread)
+
+    def is_running(self, thread: threading.Thread) -> bool:
+        """Tells whether a thread has started and not ended."""
+        return thread in self._threads
+
+    def only_daemons_left(self) -> bool:
+        """Tells whether all other threads are daemons, which end with the program."""
+        return all(thread.daemon for thread in self._threads)
+
+    def _reached(self, time: float) -> bool:
+        return self.sim.time >= time - TOLERANCE
+
+    def _queued(self, time: float) -> _Wait:
+        wait = _Wait(time)
+        self._waiting.append(wait)
+        return wait
+
+    def _take_turn(self, wait: _Wait) -> None:
+        """Blocks the present thread until its turn."""
+        if not self._closed:
+            wait.turn.wait()
         if self._closed:
             raise RunEnded
 
-    def pass_on(self) -> None:
-        """Gives the turn to the next thread; simulates until there is one."""
-        while self._waiting and not self._closed:
-            due = self.sim.time + TINY
-            turns = (t for t in self._waiting if t.deadline <= due or t.ready())
-            turn = next(turns, None)
-            if turn is None and self.over:
-                # Those that sleep go first: others may wait for them.
-                turn = min(self._waiting, key=lambda turn: turn.deadline)
-            if turn is not None:
-                self._waiting.remove(turn)
-                turn.given.set()
-                return
-            try:
-                self._advance(min(turn.deadline for turn in self._waiting))
-            except Exception as error:
-                self.shut_down(error)
+    def _run_until(self, time: float) -> None:
+        """Simulates until a time or the end; lets threads run whose wait is over.
 
-    def _advance(self, time: float) -> None:
+        Of the waits that end at the same time, that which began first ends first.
+        """
+        own = self._queued(time)
+        while own in self._waiting:
+            over = self.over
+            due = [w for w in self._waiting if over or self._reached(w.until)]
+            if over:  # The main thread goes on when the others have ended.
+                due.sort(key=lambda wait: wait is own)
+            for wait in due:
+                self._waiting.remove(wait)
+                if wait is own:
+                    return
+                wait.turn.set()
+                self._turn_over.acquire()
+            if not due:
+                self._simulate(min(wait.until for wait in self._waiting))
+
+    def _simulate(self, time: float) -> None:
         """Simulates until ``time`` [s], or until the next look at the run's end."""
-        stop = min(time, self._end, self.sim.time + LONGEST_PIECE)
-        with self.undisturbed():
-            self.sim.advance_to(round(stop, DIGITS))
+        stop = min(time, self._end, self.sim.time + MAX_PIECE)
+        try:
+            with self.undisturbed():
+                self.sim.advance_to(round(stop, DIGITS))
+        except SimulationError as error:
+            self.shut_down(error)

@@ -1,13 +1,21 @@
-"""The messages that a program can import, by package.
+"""The messages that a program can import, and their conversion to ours, by field.
 
 The fields of ``atlas_msgs`` are derived from the messages of this package, so that each
 field is listed once. Only the general messages of ROS are written out here.
+
+Values are checked by ``messages.door``, not here. Three things differ between the
+two: a stamp is seconds in this package, bytes are numbers, and a part that is still all
+zero, as ROS makes it, becomes the default of this package, because an all-zero
+quaternion or step has no meaning.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
 
 from atlas_drake import messages as ours
 from atlas_drake.messages import Message
@@ -15,10 +23,12 @@ from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts.ros_message import (
     Factory,
     RosMessage,
+    Time,
     array_of,
     message_type,
 )
-from atlas_drake.ros_scripts.ros_time import Time
+
+M = TypeVar("M", bound=Message)
 
 NOT_IN_ROS = {"params", "feedback"}
 """Fields of this package's messages that the original does not have."""
@@ -27,56 +37,71 @@ BYTES = {"k_effort"}
 
 _Types = dict[str, type[RosMessage]]
 
-std_msgs: _Types = {
-    "Header": message_type(
-        "std_msgs/Header", {"seq": int, "stamp": Time, "frame_id": str}
-    ),
-    "String": message_type("std_msgs/String", {"data": str}),
-}
+
+def _package(name: str, **types: dict[str, Factory]) -> _Types:
+    """Make the messages of a package, from the makers of their fields."""
+    return {
+        short: message_type(f"{name}/{short}", fields)
+        for short, fields in types.items()
+    }
+
+
+_XYZ: dict[str, Factory] = dict.fromkeys("xyz", float)
+_NINE = array_of(float, 9)
+
+std_msgs = _package(
+    "std_msgs",
+    Header={"seq": int, "stamp": Time, "frame_id": str},
+    String={"data": str},
+)
 Header = std_msgs["Header"]
-
-
-def _geometry() -> _Types:
-    types: _Types = {}
-
-    def add(name: str, **content: Factory) -> None:
-        types[name] = message_type(f"geometry_msgs/{name}", content)
-
-    for name in ("Point", "Vector3"):
-        add(name, x=float, y=float, z=float)
-    add("Quaternion", x=float, y=float, z=float, w=float)
-    add("Pose", position=types["Point"], orientation=types["Quaternion"])
-    add("Twist", linear=types["Vector3"], angular=types["Vector3"])
-    add("Wrench", force=types["Vector3"], torque=types["Vector3"])
-    return types
-
-
-geometry_msgs = _geometry()
+geometry_msgs = _package(
+    "geometry_msgs", Point=_XYZ, Vector3=_XYZ, Quaternion=dict.fromkeys("xyzw", float)
+)
+_Point, _Vector3, _Quaternion = geometry_msgs.values()
+geometry_msgs |= _package(
+    "geometry_msgs",
+    Pose={"position": _Point, "orientation": _Quaternion},
+    Twist={"linear": _Vector3, "angular": _Vector3},
+    Wrench={"force": _Vector3, "torque": _Vector3},
+)
+sensor_msgs = _package(
+    "sensor_msgs",
+    Imu={
+        "header": Header,
+        "orientation": _Quaternion,
+        "orientation_covariance": _NINE,
+        "angular_velocity": _Vector3,
+        "angular_velocity_covariance": _NINE,
+        "linear_acceleration": _Vector3,
+        "linear_acceleration_covariance": _NINE,
+    },
+    JointState={
+        "header": Header,
+        **dict.fromkeys(("name", "position", "velocity", "effort"), list),
+    },
+)
+rosgraph_msgs = _package("rosgraph_msgs", Clock={"clock": Time})
 
 ROS_TYPES: dict[type[Message], type[RosMessage]] = {
     ours.Header: Header,
+    ours.Imu: sensor_msgs["Imu"],
     **{
         kind: geometry_msgs[kind.__name__]
         for kind in (ours.Vector3, ours.Quaternion, ours.Pose, ours.Twist, ours.Wrench)
     },
 }
 """The ROS message for each message of this package; those of atlas_msgs join below."""
-_ATLAS: list[type[Message]] = [
-    getattr(ours, name) for name in ours.__all__ if name.startswith("Atlas")
-]
-"""The messages of ``atlas_msgs``."""
 
 
 def _constants(kind: type) -> dict[str, int]:
-    """Return all whole-number constants of a class and its bases."""
-    found: dict[str, int] = {}
-    for base in reversed(kind.__mro__):
-        found |= {
-            name: int(value)
-            for name, value in vars(base).items()
-            if isinstance(value, int) and not name.startswith("_")
-        }
-    return found
+    """Return the whole-number constants of a class and its bases."""
+    names = [name for name in dir(kind) if not name.startswith("_")]
+    return {
+        name: int(getattr(kind, name))
+        for name in names
+        if isinstance(getattr(kind, name), int)
+    }
 
 
 def _factory(name: str, value: Any) -> Factory:
@@ -107,30 +132,12 @@ def _ros_type(kind: type[Message]) -> type[RosMessage]:
     return ROS_TYPES[kind]
 
 
-atlas_msgs: _Types = {kind.__name__: _ros_type(kind) for kind in _ATLAS}
-
-_NINE = array_of(float, 9)
-sensor_msgs: _Types = {
-    "Imu": message_type(
-        "sensor_msgs/Imu",
-        {
-            "header": Header,
-            "orientation": geometry_msgs["Quaternion"],
-            "orientation_covariance": _NINE,
-            "angular_velocity": geometry_msgs["Vector3"],
-            "angular_velocity_covariance": _NINE,
-            "linear_acceleration": geometry_msgs["Vector3"],
-            "linear_acceleration_covariance": _NINE,
-        },
-    ),
-    "JointState": message_type(
-        "sensor_msgs/JointState",
-        {
-            "header": Header,
-            **dict.fromkeys(("name", "position", "velocity", "effort"), list),
-        },
-    ),
+atlas_msgs: _Types = {
+    name: _ros_type(getattr(ours, name))
+    for name in ours.__all__
+    if name.startswith("Atlas")
 }
+
 JOINT_ARRAYS = tuple(
     field.name
     for field in fields(ours.AtlasCommand)
@@ -138,15 +145,10 @@ JOINT_ARRAYS = tuple(
     and field.name not in BYTES
 )
 """Arrays of numbers, one for each joint, of a command to joints."""
-osrf_msgs: _Types = {
-    "JointCommands": message_type(
-        "osrf_msgs/JointCommands",
-        {"header": Header, "name": list, **dict.fromkeys(JOINT_ARRAYS, list)},
-    )
-}
-rosgraph_msgs: _Types = {"Clock": message_type("rosgraph_msgs/Clock", {"clock": Time})}
-
-ROS_TYPES[ours.Imu] = sensor_msgs["Imu"]
+osrf_msgs = _package(
+    "osrf_msgs",
+    JointCommands={"header": Header, "name": list, **dict.fromkeys(JOINT_ARRAYS, list)},
+)
 
 PACKAGES: dict[str, _Types] = {
     "atlas_msgs": atlas_msgs,
@@ -170,3 +172,61 @@ def with_joints_of(robot: Robot, types: _Types) -> _Types:
     base = types["AtlasState"]
     own = type("AtlasState", (base,), {"__slots__": (), **indices})
     return {**types, "AtlasState": own}
+
+
+def to_ours(message: Any, kind: type[M]) -> M:
+    """Convert a ROS message to a message of type ``kind``."""
+    result = kind()
+    for field in fields(kind):  # type: ignore[arg-type]
+        if field.name not in NOT_IN_ROS:
+            value = getattr(message, field.name)
+            default = getattr(result, field.name)
+            setattr(result, field.name, _value_to_ours(value, default))
+    return result
+
+
+def _value_to_ours(value: Any, default: Any) -> Any:
+    """Convert one value; ``default`` is the field's default in this package."""
+    if isinstance(default, Message):
+        is_unset = isinstance(value, RosMessage) and value == type(value)()
+        return default if is_unset else to_ours(value, type(default))
+    if isinstance(default, list) and default and isinstance(value, Sequence):
+        return [_value_to_ours(part, type(default[0])()) for part in value]
+    if isinstance(value, Time):
+        return value.to_sec()
+    if isinstance(value, bytes | bytearray):
+        return list(value)
+    if isinstance(default, list) and isinstance(value, str):
+        # Bytes of Python 2: "".join(chr(255) for ...).
+        return [ord(character) for character in value]
+    return value
+
+
+def from_ours(message: Message) -> Any:
+    """Convert a message of this package to ROS."""
+    result = ROS_TYPES[type(message)]()
+    for field in fields(message):  # type: ignore[arg-type]
+        if field.name not in NOT_IN_ROS:
+            value = getattr(message, field.name)
+            setattr(result, field.name, _value_to_ros(field.name, value))
+    return result
+
+
+_PLAIN = (float, int, bool, str)
+
+
+def _value_to_ros(name: str, value: Any) -> Any:
+    if name == "stamp":
+        return Time.from_sec(value or 0.0)
+    if type(value) in _PLAIN:
+        return value
+    if isinstance(value, Message):
+        return from_ours(value)
+    if name in BYTES:
+        return bytes(int(number) for number in value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Sequence):
+        plain = not value or type(value[0]) in _PLAIN
+        return list(value) if plain else [_value_to_ros("", item) for item in value]
+    return int(value) if isinstance(value, int) else value  # An enumeration's.

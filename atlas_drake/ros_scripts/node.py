@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.ros_scripts.clock import Clock, RosInterruptError
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.ros_time import Duration, Time
-from atlas_drake.ros_scripts.threads import start_callbacks
-from atlas_drake.ros_scripts.topics import find_topic
+from atlas_drake.ros_scripts.ros_message import Duration, RosMessage
+from atlas_drake.ros_scripts.topics import READ, WRITE, find_topic
+
+SPIN = 1.0
+"""Length of each wait in ``spin`` [s]."""
 
 
 class Publisher:
@@ -27,49 +27,37 @@ class Publisher:
         say: Callable[[str], object],
         name: str,
         data_class: type[RosMessage],
-        subscriber_listener: object = None,
-        tcp_nodelay: bool = False,
-        latch: bool = False,
-        headers: object = None,
-        queue_size: int | None = None,
+        *_network: object,
+        **_options: object,
     ) -> None:
-        """Finds the topic; options of the network are ignored.
-
-        Raises:
-            ScriptError: If such messages cannot be published there.
-        """
-        self.resolved_name, self._topic = find_topic(name, data_class, to_write=True)
+        """Finds the topic; options of the network are ignored."""
+        self.resolved_name, self._write = find_topic(name, data_class, WRITE)
         self.name, self.data_class = self.resolved_name, data_class
-        self.type = data_class._type
         self._clock, self._say = clock, say
-        self._told: set[str] = set()
+        self._said: set[str] = set()
 
     def publish(self, *values: Any, **named: Any) -> None:
         """Sends a message, or the values of one.
 
         A refused message is an event of the run and raises nothing, since a publisher
         in ROS gets no reply.
-
-        Raises:
-            TypeError: If the message has another type than the topic.
-            ScriptError: If a part of the message has the wrong type.
         """
         if len(values) == 1 and isinstance(values[0], RosMessage) and not named:
             message = values[0]
         else:
             message = self.data_class(*values, **named)
-        if message._type != self.type:
+        if message._type != self.data_class._type:
             raise TypeError(
-                f"{self.name} has messages {self.type}, not {message._type}"
+                f"{self.name} has messages {self.data_class._type}, not {message._type}"
             )
-        if self._topic.write is None or self._clock.over:
+        if self._clock.over:
             return
         # The robot reports refused messages by error code and event.
         with suppress(InvalidMessageError), self._clock.undisturbed():
-            told = self._topic.write(self._clock.sim, message)
-            if told and told not in self._told:
-                self._told.add(told)
-                self._say(told)
+            note = self._write(self._clock.sim, message)
+            if note and note not in self._said:
+                self._said.add(note)
+                self._say(note)
         self._clock.last_command = self._clock.sim.time
 
     def get_num_connections(self) -> int:
@@ -90,33 +78,23 @@ class Subscriber:
         data_class: type[RosMessage],
         callback: Callable[..., object] | None = None,
         callback_args: object = None,
-        queue_size: int | None = None,
-        buff_size: int = 0,
-        tcp_nodelay: bool = False,
+        *_network: object,
+        **_options: object,
     ) -> None:
-        """Finds the topic; messages arrive while the program waits.
-
-        Raises:
-            ScriptError: If such messages cannot be subscribed to there.
-        """
-        self.resolved_name, self._topic = find_topic(name, data_class, to_write=False)
-        self.name, self.data_class = self.resolved_name, data_class
-        self._clock = clock
-        self._callback, self._arguments = callback, callback_args
+        """Finds the topic; messages arrive while the program waits."""
+        self.resolved_name, self._read = find_topic(name, data_class, READ)
+        self.name, self._clock, self._callback = self.resolved_name, clock, callback
+        self._arguments = () if callback_args is None else (callback_args,)
         if callback is not None:
-            start_callbacks(clock, self._listen)
+            clock.start_callbacks(self._listen)
 
     def _listen(self) -> None:
         """Calls the callback in every control period, unless its last call waits."""
-        clock, read = self._clock, self._topic.read
-        assert read is not None  # find_topic checked it.
+        clock = self._clock
         while clock.advance_to(clock.sim.time + clock.period) and self._callback:
             with clock.undisturbed():
-                message = read(clock.sim)
-            if self._arguments is None:
-                self._callback(message)
-            else:
-                self._callback(message, self._arguments)
+                message = self._read(clock.sim)
+            self._callback(message, *self._arguments)
 
     def get_num_connections(self) -> int:
         """Returns 1: the robot."""
@@ -127,71 +105,18 @@ class Subscriber:
         self._callback = None
 
 
-SPIN = 1.0
-"""Length of each wait in ``spin`` [s]."""
-
-
-def seconds_of(duration: Any) -> float:
-    """Return the seconds of a ``Duration`` or a number."""
-    return float(duration.to_sec() if isinstance(duration, Duration) else duration)
-
-
-def sleep(clock: Clock, duration: Any) -> None:
-    """Waits.
-
-    Args:
-        clock: Clock of the run.
-        duration: A ``Duration`` or a number [s]; a negative one does not wait.
-
-    Raises:
-        RosInterruptError: If the run ends during the wait.
-    """
-    if not clock.advance_to(clock.sim.time + seconds_of(duration)):
-        raise RosInterruptError("ROS shutdown request")
-
-
-def spin(clock: Clock) -> None:
-    """Waits until the run ends."""
-    while clock.advance_to(clock.sim.time + SPIN):
-        pass
-
-
-def wait_for_message(
-    clock: Clock, topic: str, topic_type: type[RosMessage], timeout: float | None = None
-) -> RosMessage:
-    """Waits one control period and returns a topic's message.
-
-    Raises:
-        RosInterruptError: If the run ends during the wait.
-        ScriptError: If such messages cannot be subscribed to there.
-    """
-    _, found = find_topic(topic, topic_type, to_write=False)
-    sleep(clock, clock.sim.scenario.control_period)
-    assert found.read is not None  # find_topic checked it.
-    return found.read(clock.sim)
-
-
 class Rate:
     """``rospy.Rate``: keeps a loop at a frequency."""
 
     def __init__(self, clock: Clock, hz: float, reset: bool = False) -> None:
-        """Starts the first cycle now.
-
-        Raises:
-            ValueError: If ``hz`` is not above 0.
-        """
+        """Starts the first cycle now."""
         if not hz > 0.0:
             raise ValueError(f"rospy.Rate: {hz!r} times a second; must be more than 0")
         self._clock, self._period = clock, 1.0 / hz
-        self.sleep_dur = Duration.from_sec(self._period)
         self._last = clock.sim.time
 
     def sleep(self) -> None:
-        """Waits until the end of the cycle; returns at once if that is past.
-
-        Raises:
-            RosInterruptError: If the run ends during the wait.
-        """
+        """Waits until the end of the cycle; returns at once if that is past."""
         now, due = self._clock.sim.time, self._last + self._period
         if due > now and not self._clock.advance_to(due):
             raise RosInterruptError("ROS shutdown request")
@@ -203,48 +128,24 @@ class Rate:
         return Duration.from_sec(self._last + self._period - self._clock.sim.time)
 
 
-@dataclass
-class TimerEvent:
-    """Argument of a timer's callback; ``last_duration`` stays None."""
-
-    last_expected: Time | None
-    last_real: Time | None
-    current_expected: Time
-    current_real: Time
-    last_duration: float | None = None
+def sleep(clock: Clock, duration: Any) -> None:
+    """Waits for a ``Duration`` or a number [s]; a negative one does not wait."""
+    seconds = duration.to_sec() if isinstance(duration, Duration) else float(duration)
+    if not clock.advance_to(clock.sim.time + seconds):
+        raise RosInterruptError("ROS shutdown request")
 
 
-class Timer:
-    """``rospy.Timer``: calls a callback periodically while the program waits."""
+def spin(clock: Clock) -> None:
+    """Waits until the run ends."""
+    while clock.advance_to(clock.sim.time + SPIN):
+        pass
 
-    def __init__(
-        self,
-        clock: Clock,
-        period: Any,
-        callback: Callable[[TimerEvent], object],
-        oneshot: bool = False,
-        reset: bool = False,
-    ) -> None:
-        """Starts now; the first call comes after one period."""
-        self._clock, self._rate = clock, Rate(clock, 1.0 / seconds_of(period))
-        self._callback, self._oneshot = callback, oneshot
-        self._stopped = False
-        start_callbacks(clock, self._run)
 
-    def _run(self) -> None:
-        last_expected = last_real = None
-        while True:
-            due = self._clock.sim.time + self._rate.remaining().to_sec()
-            self._rate.sleep()
-            if self._stopped:
-                return
-            expected = Time.from_sec(due)
-            real = Time.from_sec(self._clock.sim.time)
-            self._callback(TimerEvent(last_expected, last_real, expected, real))
-            if self._oneshot:
-                return
-            last_expected, last_real = expected, real
-
-    def shutdown(self) -> None:
-        """Stops the calls."""
-        self._stopped = True
+def wait_for_message(
+    clock: Clock, topic: str, topic_type: type[RosMessage], timeout: object = None
+) -> RosMessage:
+    """Waits one control period and returns a topic's message."""
+    _, read = find_topic(topic, topic_type, READ)
+    sleep(clock, clock.period)
+    message: RosMessage = read(clock.sim)
+    return message

@@ -6,40 +6,24 @@ Views, output files and the verdict on a run are in ``app``.
 from __future__ import annotations
 
 import math
-import re
-import sys
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from atlas_drake.ros_scripts.clock import ENDED, Clock
+from atlas_drake.ros_scripts.python2 import load_program
 from atlas_drake.ros_scripts.rospy_module import RosNode
-from atlas_drake.ros_scripts.source_file import load_program
-from atlas_drake.ros_scripts.stand_ins import in_place, installed, stand_ins
-from atlas_drake.ros_scripts.unknown import ScriptError, unknown
-from atlas_drake.ros_scripts.world import World, as_main, is_in_world
+from atlas_drake.ros_scripts.unknown import LIST, ScriptError
+from atlas_drake.ros_scripts.world import World, as_main, stand_ins
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 
 class Program:
-    """A program's file, read and compiled.
-
-    Attributes:
-        path: Path of the file.
-        at_fault: True if the program asked for something unknown; set by ``run``.
-    """
+    """A program's file; ``at_fault`` is True once it asked for something unknown."""
 
     def __init__(self, path: Path, arguments: Sequence[str] = ()) -> None:
-        """Reads and compiles the file.
-
-        Args:
-            path: Path of the file.
-            arguments: Arguments of the program.
-
-        Raises:
-            ScriptError: If the file is not valid Python.
-        """
+        """Reads and compiles the file; raises a ScriptError if it cannot be read."""
         self.path, self._arguments = path, list(arguments)
         self._code, self._is_python2 = load_program(path)
         self.at_fault = False
@@ -63,7 +47,7 @@ class Program:
         say: Callable[[str], object],
         complain: Callable[[str], object],
     ) -> str | None:
-        """Runs the program until it or the run ends.
+        """Runs the program; returns None, or what went wrong.
 
         Args:
             sim: The simulation.
@@ -72,47 +56,32 @@ class Program:
             end: Latest simulated time of the run [s].
             say: Prints a line.
             complain: Prints an error of the program.
-
-        Returns:
-            None, or a description of what went wrong.
-
-        Raises:
-            KeyboardInterrupt: If Ctrl-C came while the program computed.
         """
         self._clock = clock = Clock(sim, ended, end)
         node = RosNode(clock, say)
-        self._modules = modules = stand_ins(node.names(), sim.robot)
-        for name, place in installed(modules).items():
-            say(f"{name} is installed ({place}); the stand-in for it is used.")
-        world = World(clock, say)
-        with (
-            in_place(modules, sys.modules),
-            as_main(self.path, self._arguments, world) as main,
-        ):
+        modules = stand_ins(node.names(), sim.robot)
+        world = World(self.path.resolve().parent, clock, say)
 
-            def run_threads() -> None:
-                with suppress(*ENDED):
-                    world.run(self.path, self._code, main, old=self._is_python2)
-                for thread in clock.threads[1:]:
-                    if not thread.daemon:
-                        thread.join()
-                if clock.error is not None:
-                    raise clock.error
+        def run_threads() -> None:
+            with suppress(*ENDED):
+                world.run(self.path, self._code, main, old=self._is_python2)
+                clock.wait_for(clock.only_daemons_left)
+            if clock.error is not None:
+                raise clock.error
 
+        with as_main(self.path, self._arguments, world, modules) as main:
             try:
                 problem = self._outcome(run_threads, complain)
                 return problem or self._outcome(node.end, complain)
             finally:
                 clock.close()
 
-    def finish(self) -> None:
-        """Advances from the end of the program to the end of the run.
-
-        Raises:
-            SimulationError: If the physics could not be solved.
-        """
-        if self._clock is not None:
-            self._clock.finish()
+    def finish(self) -> str | None:
+        """Advances from the end of the program to the end of the run."""
+        if self._clock is None:
+            return None
+        self._clock.finish()
+        return None if self._clock.error is None else str(self._clock.error)
 
     def _outcome(
         self, part: Callable[[], object], complain: Callable[[str], object]
@@ -134,30 +103,15 @@ class Program:
             return str(error)
         except Exception as error:
             self.at_fault = isinstance(error, (ScriptError, ImportError))
-            complain(self._told(error))
-            brief = error.brief if isinstance(error, ScriptError) else str(error)
-            return f"{self.path.name}: {type(error).__name__}: {brief}".rstrip(".")
+            complain(self._traceback(error))
+            brief = str(error).partition(LIST)[0].rstrip(".")
+            return f"{self.path.name}: {type(error).__name__}: {brief}"
         return None
 
-    def _told(self, error: Exception) -> str:
-        """Return the traceback, with the program's own lines only."""
-        own = [
-            traceback.FrameSummary(frame.f_code.co_filename, line, frame.f_code.co_name)
-            for frame, line in traceback.walk_tb(error.__traceback__)
-            if is_in_world(frame)
-        ]
-        lines = ["Traceback (most recent call last):\n", *traceback.format_list(own)]
-        lines.append(f"{type(error).__name__}: {error}")
-        if isinstance(error, ImportError) and error.name:
-            lines.append(f"\n{self._hint(error)}")
-        return "".join(lines)
-
-    def _hint(self, error: ImportError) -> str:
-        """Return the names that can be imported instead."""
-        module = str(error.name)
-        if module in self._modules:
-            found = re.search(r"cannot import name '(\w+)'", str(error))
-            name = found[1] if found else ""
-            return str(unknown(f"{module}.{name}", name, self._modules[module].names))
-        packages = {name.partition(".")[0] for name in self._modules}
-        return str(unknown(f"module {module}", module, packages))
+    def _traceback(self, error: Exception) -> str:
+        """Return the traceback from the program's first line on."""
+        begin = error.__traceback__
+        while begin and begin.tb_frame.f_code.co_filename != str(self.path):
+            begin = begin.tb_next
+        lines = traceback.format_exception(type(error), error, begin, chain=False)
+        return "".join(lines).rstrip()

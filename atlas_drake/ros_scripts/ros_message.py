@@ -1,13 +1,17 @@
-"""Messages as ROS 1 made them: mutable, zero until filled in, fields by name.
+"""What ROS 1 made messages of: fields that begin at zero, ``Time`` and ``Duration``.
 
-The messages themselves are in ``message_types``; their conversion to the messages of
-this package is in ``conversion``.
+The messages themselves are in ``message_types``; ``rospy.Time.now``, which needs a
+clock, is in ``rospy_module``.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar
+from textwrap import indent
+from typing import Any, ClassVar, Self
+
+import numpy as np
 
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
 
@@ -23,28 +27,17 @@ class RosMessage:
     _factories: ClassVar[Mapping[str, Factory]] = {}
 
     def __init__(self, *values: Any, **named: Any) -> None:
-        """Makes a message.
-
-        Args:
-            values: Values of all fields in their order, or nothing.
-            named: Values of fields by name.
-
-        Raises:
-            TypeError: If the number of values is wrong.
-            UnknownNameError: If there is no such field.
-        """
+        """Makes a message of values in the order of the fields, or of named ones."""
         names = tuple(self._factories)
         if values and (named or len(values) != len(names)):
             raise TypeError(
                 f"{self._type} takes {len(names)} values by position "
                 f"({', '.join(names)}) or fields by name, is given {len(values)}"
             )
-        named.update(zip(names, values, strict=False))
         for name, factory in self._factories.items():
-            value = named.pop(name) if name in named else factory()
-            object.__setattr__(self, name, value)
-        for name in named:
-            raise self._no_field(name)
+            object.__setattr__(self, name, factory())
+        for name, value in (named or dict(zip(names, values, strict=False))).items():
+            setattr(self, name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name not in self._factories:
@@ -65,36 +58,35 @@ class RosMessage:
         if not isinstance(other, RosMessage) or other._type != self._type:
             return NotImplemented
         return all(
-            _same(getattr(self, name), getattr(other, name)) for name in self._factories
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in self._factories
         )
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return "\n".join(_lines(self, ""))
+        lines = []
+        for name in self._factories:
+            text = repr(getattr(self, name))
+            nested = "\n" in text
+            lines.append(
+                f"{name}:\n{indent(text, '  ')}" if nested else f"{name}: {text}"
+            )
+        return "\n".join(lines)
 
 
 def message_type(
-    name: str,
-    fields: Mapping[str, Factory],
-    constants: Mapping[str, Any] | None = None,
+    name: str, fields: Mapping[str, Factory], constants: Mapping[str, int] | None = None
 ) -> type[RosMessage]:
-    """Make the class of a message.
-
-    Args:
-        name: Full name, such as ``std_msgs/String``.
-        fields: Makers of the initial values, by field, in the message's order.
-        constants: Constants of the class, by name.
-    """
+    """Make the class of a message, by its full name such as ``std_msgs/String``."""
+    package, short = name.split("/")
     content = {
         "__slots__": tuple(fields),
-        "__doc__": f"{name}: {', '.join(fields) or 'no fields'}.",
+        "__module__": f"{package}.msg",
         "_type": name,
         "_factories": dict(fields),
         **(constants or {}),
     }
-    package, short = name.split("/")
-    content["__module__"] = f"{package}.msg"
     return type(short, (RosMessage,), content)
 
 
@@ -103,29 +95,79 @@ def array_of(factory: Factory, count: int) -> Factory:
     return lambda: [factory() for _ in range(count)]
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Compare two values of a field; sequences by their elements."""
-    try:
-        if len(one) != len(other) or isinstance(one, str) != isinstance(other, str):
-            return False
-    except TypeError:
-        return bool(one == other)
-    if isinstance(one, str):
-        return bool(one == other)
-    return all(_same(a, b) for a, b in zip(one, other, strict=True))
+NANO = 1_000_000_000
+"""Nanoseconds in a second."""
 
 
-def _lines(message: RosMessage, indent: str) -> list[str]:
-    """Return the lines that ``print`` shows, as YAML."""
-    lines = []
-    for name in message._factories:
-        value = getattr(message, name)
-        if isinstance(value, RosMessage):
-            lines += [f"{indent}{name}:", *_lines(value, indent + "  ")]
-        elif isinstance(value, list) and any(isinstance(v, RosMessage) for v in value):
-            lines.append(f"{indent}{name}:")
-            for item in value:
-                lines += [f"{indent}  -", *_lines(item, indent + "    ")]
-        else:
-            lines.append(f"{indent}{name}: {value!r}")
-    return lines
+@functools.total_ordering
+class _Seconds:
+    """Common base of ``Time`` and ``Duration``."""
+
+    __slots__ = ("nsecs", "secs")
+
+    def __init__(self, secs: float = 0, nsecs: float = 0) -> None:
+        """Stores seconds, which may have a fraction, and nanoseconds, in addition."""
+        total = round(secs * NANO) if isinstance(secs, float) else int(secs) * NANO
+        self.secs, self.nsecs = divmod(total + round(nsecs), NANO)
+
+    @classmethod
+    def from_sec(cls, seconds: float) -> Self:
+        """Return a value of so many seconds."""
+        return cls(float(seconds))
+
+    def to_sec(self) -> float:
+        """Return the value in seconds."""
+        return self.secs + self.nsecs / NANO
+
+    def to_nsec(self) -> int:
+        """Return the value in nanoseconds."""
+        return self.secs * NANO + self.nsecs
+
+    def __hash__(self) -> int:
+        return hash(self.to_nsec())
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() == other.to_nsec()
+
+    def __lt__(self, other: object) -> bool:
+        if not isinstance(other, _Seconds):
+            return NotImplemented
+        return self.to_nsec() < other.to_nsec()
+
+    def __add__(self, other: object) -> Any:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() + other.to_nsec())
+
+    def __sub__(self, other: object) -> Any:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return type(self)(0, self.to_nsec() - other.to_nsec())
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}[{self.to_nsec()}]"
+
+
+class Duration(_Seconds):
+    """A span of time, of either sign."""
+
+    def __mul__(self, factor: float) -> Any:
+        return Duration(0, self.to_nsec() * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Any) -> Any:
+        if isinstance(divisor, Duration):
+            return self.to_nsec() / divisor.to_nsec()
+        return Duration(0, self.to_nsec() / divisor)
+
+
+class Time(_Seconds):
+    """An instant of simulated time; 0 means "not set" in a header."""
+
+    def __sub__(self, other: object) -> Any:
+        if isinstance(other, Time):
+            return Duration(0, self.to_nsec() - other.to_nsec())
+        return super().__sub__(other)

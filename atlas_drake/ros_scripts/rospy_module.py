@@ -1,7 +1,7 @@
 """The names of ``rospy``, for one run.
 
 Publishers, subscribers and waits are in ``node``, time is in ``clock``. The module
-object is made in ``stand_ins``.
+object is made in ``world``.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
 from atlas_drake.ros_scripts.node import (
     Publisher,
     Rate,
     Subscriber,
-    Timer,
     sleep,
     spin,
     wait_for_message,
 )
-from atlas_drake.ros_scripts.ros_time import Duration
-from atlas_drake.ros_scripts.ros_time import Time as RosTime
+from atlas_drake.ros_scripts.ros_message import Duration
+from atlas_drake.ros_scripts.ros_message import Time as RosTime
 from atlas_drake.ros_scripts.topics import joint_name
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
 
@@ -42,36 +42,27 @@ class NoParameterError(UnknownNameError, KeyError):
 
 
 class Parameters:
-    """The parameters of one run."""
+    """The parameters of one run, a tree of groups."""
 
-    def __init__(self, clock: Clock, resolve: Callable[[str], str]) -> None:
+    def __init__(self, robot: Robot, resolve: Callable[[str], str]) -> None:
         """Reads the robot's gains, by the v3 and the v1 names of the joints.
 
-        Args:
-            clock: Clock of the run.
-            resolve: Returns the full name of a parameter, such as ``/node/x`` of
-                ``~x``.
+        ``resolve`` returns the full name of a parameter, such as ``/node/x`` of ``~x``.
         """
-        self._clock = clock
-        robot = clock.sim.robot
-        gains: dict[str, Any] = {}
-        for joint, kp, kd in zip(
-            robot.file.joints, robot.default_kp, robot.default_kd, strict=True
-        ):
-            own = {"p": float(kp), "i": 0.0, "d": float(kd), "i_clamp": 0.0}
-            for name in filter(None, (joint.name, joint.alias)):
-                gains[name] = own
+        gains = {
+            name: {"p": float(kp), "i": 0.0, "d": float(kd), "i_clamp": 0.0}
+            for joint, kp, kd in zip(
+                robot.file.joints, robot.default_kp, robot.default_kd, strict=True
+            )
+            for name in (joint.name, joint.alias)
+            if name
+        }
         self._resolve = resolve
         self._tree: dict[str, Any] = {"use_sim_time": True}
         self.set(f"/{GAINS}", gains)
 
     def get(self, name: str, default: Any = _NOT_GIVEN) -> Any:
-        """Returns a parameter, or a dict of all in a group.
-
-        Raises:
-            NoParameterError: If it does not exist and no default is given.
-        """
-        self._clock.glance()
+        """Returns a parameter, or a dict of all in a group."""
         value: Any = self._tree
         for part in self._path(name):
             if not isinstance(value, dict) or part not in value:
@@ -91,25 +82,16 @@ class Parameters:
         *groups, last = self._path(name)
         group = self._tree
         for part in groups:
-            if not isinstance(group.get(part), dict):
-                group[part] = {}
-            group = group[part]
+            group = group.setdefault(part, {})
         group[last] = copy.deepcopy(value)
 
     def _path(self, name: str) -> list[str]:
-        parts = self._resolve(name).split("/")
-        return [joint_name(part) for part in parts if part]
+        return [joint_name(part) for part in self._resolve(name).split("/") if part]
 
 
 LEVELS = {"DEBUG": 1, "INFO": 2, "WARN": 4, "ERROR": 8, "FATAL": 16}
 """Levels of log messages; DEBUG is not shown."""
-LOGGERS = {
-    "debug": "DEBUG",
-    "info": "INFO",
-    "warn": "WARN",
-    "err": "ERROR",
-    "fatal": "FATAL",
-}
+LOGGERS = {"info": "INFO", "warn": "WARN", "err": "ERROR", "fatal": "FATAL"}
 """Levels by the endings of ``rospy.loginfo`` and related functions."""
 
 
@@ -117,63 +99,15 @@ class RosNode:
     """The node of one program."""
 
     def __init__(self, clock: Clock, say: Callable[[str], object]) -> None:
-        """Makes a node without a name.
-
-        Args:
-            clock: Clock of the run.
-            say: Prints a line.
-        """
+        """Makes a node without a name; ``say`` prints a line."""
         self._clock, self._say = clock, say
         self._name = "unnamed"
         self._at_end: list[Callable[..., object]] = []
-        self._parameters = Parameters(clock, self._resolve)
-
-    def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
-        """Sets the name; the registration takes one control period."""
-        self._name = str(name).lstrip("/")
-        self._clock.advance_to(self._clock.sim.time + self._clock.period)
 
     def names(self) -> dict[str, Any]:
         """Returns the contents of the module ``rospy``."""
-        clock, parameters = self._clock, self._parameters
-        time = self._time_class()
-        return {
-            **LEVELS,
-            "init_node": self.init_node,
-            "get_name": lambda: f"/{self._name}",
-            "myargv": _own_arguments,
-            "Publisher": partial(Publisher, clock, self._say),
-            "Subscriber": partial(Subscriber, clock),
-            "wait_for_message": partial(wait_for_message, clock),
-            "Rate": partial(Rate, clock),
-            "Timer": partial(Timer, clock),
-            "Time": time,
-            "Duration": Duration,
-            "sleep": partial(sleep, clock),
-            "spin": partial(spin, clock),
-            "get_time": lambda: clock.now,
-            "get_rostime": time.now,
-            "is_shutdown": self._is_shut_down,
-            "on_shutdown": self._at_end.append,
-            "signal_shutdown": self._shut_down,
-            "ROSException": RosError,
-            "ROSInterruptException": RosInterruptError,
-            "get_param": parameters.get,
-            "has_param": parameters.has,
-            "set_param": parameters.set,
-            **{
-                f"log{name}": partial(self._log, level)
-                for name, level in LOGGERS.items()
-            },
-        }
-
-    def end(self) -> None:
-        """Calls the functions given to ``on_shutdown``, once."""
-        while self._at_end:
-            self._at_end.pop(0)()
-
-    def _time_class(self) -> Any:
         clock = self._clock
+        parameters = Parameters(clock.sim.robot, self._resolve)
 
         class Time(RosTime):
             """``rospy.Time``."""
@@ -185,15 +119,50 @@ class RosNode:
                 """Return the simulated time."""
                 return Time.from_sec(clock.now)
 
-        return Time
+        return {
+            **LEVELS,
+            **{f"log{end}": partial(self._log, LOGGERS[end]) for end in LOGGERS},
+            "init_node": self._init,
+            "get_name": lambda: f"/{self._name}",
+            "myargv": _own_arguments,
+            "Publisher": partial(Publisher, clock, self._say),
+            "Subscriber": partial(Subscriber, clock),
+            "wait_for_message": partial(wait_for_message, clock),
+            "Rate": partial(Rate, clock),
+            "Time": Time,
+            "Duration": Duration,
+            "sleep": partial(sleep, clock),
+            "spin": partial(spin, clock),
+            "get_time": lambda: clock.now,
+            "get_rostime": Time.now,
+            "is_shutdown": self._is_shut_down,
+            "on_shutdown": self._at_end.append,
+            "signal_shutdown": self._shut_down,
+            "ROSException": RosError,
+            "ROSInterruptException": RosInterruptError,
+            "get_param": parameters.get,
+            "has_param": parameters.has,
+            "set_param": parameters.set,
+            "logdebug": lambda *_arguments: None,
+        }
+
+    def end(self) -> None:
+        """Calls the functions given to ``on_shutdown``, once."""
+        while self._at_end:
+            self._at_end.pop(0)()
+
+    def _init(self, name: str, *_arguments: object, **_options: object) -> None:
+        """Sets the name; the registration takes one control period."""
+        self._name = str(name).lstrip("/")
+        self._clock.advance_to(self._clock.sim.time + self._clock.period)
 
     def _resolve(self, name: str) -> str:
         """Return a full name; those that begin with ~ are the node's own."""
         own = str(name).removeprefix("~")
-        return f"/{self._name}/{own}" if own != name else "/" + own.lstrip("/")
+        return f"/{self._name}/{own}" if own != name else own
 
     def _is_shut_down(self) -> bool:
-        self._clock.glance()
+        self._clock.count_query()
         return self._clock.over
 
     def _shut_down(self, reason: object = "") -> None:
@@ -201,12 +170,10 @@ class RosNode:
         self.end()
 
     def _log(self, level: str, text: object, *arguments: object, **_: object) -> None:
-        if level != "DEBUG":
-            said = str(text) % arguments if arguments else str(text)
-            self._say(f"[{level}] [{self._clock.sim.time:.3f}]: {said}")
+        line = str(text) % arguments if arguments else str(text)
+        self._say(f"[{level}] [{self._clock.sim.time:.3f}]: {line}")
 
 
 def _own_arguments(argv: Sequence[str] | None = None) -> list[str]:
     """``rospy.myargv``: the arguments without remappings."""
-    given = sys.argv if argv is None else argv
-    return [os.fspath(word) for word in given if ":=" not in word]
+    return [os.fspath(word) for word in argv or sys.argv if ":=" not in word]

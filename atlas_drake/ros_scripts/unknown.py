@@ -1,23 +1,15 @@
-"""Errors that name a module, attribute, field or topic without a stand-in.
-
-The caller gives the list of the names that exist.
-"""
+"""Errors that name a module, attribute, field or topic without a stand-in."""
 
 from collections.abc import Iterable
 
 from atlas_drake.errors import AtlasError, did_you_mean
 
+LIST = "; there are "
+"""Words of an error that introduce the list of the known names."""
+
 
 class ScriptError(AtlasError):
-    """A program that cannot be run as it is.
-
-    Attributes:
-        brief: The message without the list of known names.
-    """
-
-    def __init__(self, *arguments: object) -> None:
-        super().__init__(*arguments)
-        self.brief = " ".join(map(str, arguments))
+    """A program that cannot be run as it is."""
 
 
 class UnknownNameError(ScriptError, AttributeError):
@@ -27,18 +19,7 @@ class UnknownNameError(ScriptError, AttributeError):
 def unknown(
     what: str, name: str, known: Iterable[str], kind: type[ScriptError] = ScriptError
 ) -> ScriptError:
-    """Return the error that names a missing thing and lists the known ones.
-
-    Args:
-        what: Full name of the missing thing, such as ``rospy.Foo``.
-        name: The part of the name that may be misspelt.
-        known: Names that exist.
-        kind: Class of the error.
-    """
-    listed = sorted(set(known))
-    error = kind(
-        f"{what} is not among what atlas-drake script stands in for: "
-        f"{', '.join(listed)}.{did_you_mean(name, listed)}"
-    )
-    error.brief = f"{what} is not among what atlas-drake script stands in for"
-    return error
+    """Return the error about ``what``, in which ``name`` may be misspelt."""
+    names = sorted(set(known))
+    listed = f"{LIST}{', '.join(names)}.{did_you_mean(name, names)}"
+    return kind(f"atlas-drake script has no stand-in for {what}{listed}")

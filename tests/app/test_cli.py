@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log
+from atlas_drake import ScenarioError, read_log
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 from atlas_drake.app.run import AFTER_FALL, verdict
@@ -36,21 +36,15 @@ FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--help"], ["demo", "run", "teleop", "diagram", "Begin with"]),
-        (
-            ["demo", "--help"],
-            ["--headless", "--realtime-rate", "--json", "exit status"],
-        ),
-        (["run", "--help"], ["SCENARIO.yaml", "--model", "--seed", "--record"]),
-        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
-        (["--version"], ["atlas-drake", "drake"]),
-        (["--help"], ["script", "DRCSim"]),
+        (["--help"], ["demo", "run", "script", "teleop", "diagram", "Begin with"]),
+        (["demo", "--help"], ["--headless", "--json", "WALK (4)", "exit status"]),
+        (["run", "--help"], ["SCENARIO.yaml", "--duration", "--seed", "--record"]),
         (["script", "--help"], ["FILE.py", "--scenario", "-- ARGUMENT", "--log"]),
-        (["demo", "--help"], ["--log", ".mcap", "Foxglove"]),
+        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
         (["plot", "--help"], ["--output", "--channels", ".svg", "exit status"]),
-        (["replay", "--help"], ["--record", "--realtime-rate", "--headless"]),
-        (["replay", "--help"], ["--record", "--show", "forces"]),
+        (["replay", "--help"], ["--record", "--realtime-rate", "--show", "forces"]),
         (["film", "--help"], ["--view", "--show", "forces"]),
+        (["--version"], ["atlas-drake", "drake"]),
     ],
 )
 def test_help_names_commands_and_options(arguments, words, capsys):
@@ -69,34 +63,26 @@ def test_help_names_commands_and_options(arguments, words, capsys):
         (["dance"], "no command 'dance'. There are demo, run"),
         (["dmo"], "Did you mean 'demo'?"),
         (["demo", "--hedless"], "--hedless. Did you mean '--headless'?"),
-        (["sweep", "a.yaml", "--trails=3"], "Did you mean '--trials'?"),
-        (["plot", "a.mcap", "--xyz"], "arguments: --xyz.\n"),
+        (["plot", "a.mcap", "--xyz"], "--xyz. (see atlas-drake plot --help)"),
         (["run"], "SCENARIO.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
-        (["demo", "--realtime-rate", "fast"], "number from 0 up"),
+        (["demo", "--duration", "long"], "--duration"),
         (["demo", "--port", "80"], "1024..65535"),
         (["demo", "--seed", "x"], "--seed"),
-        (["demo", "--show", "com,aura"], "no overlay 'aura'"),
-        (["teleop", "--show", "aura"], "no overlay 'aura'"),
+        (["teleop", "--show", "com,aura"], "no overlay 'aura'"),
         (["demo", "--video-size", "960"], "960x540"),
         (["demo", "--video-size", "10x9000"], "64..4096"),
     ],
 )
-def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
+def test_arguments_that_cannot_be_used_exit_with_2_and_one_line(
+    arguments, complaint, capsys
+):
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
     error = capsys.readouterr().err
     assert complaint in error
-    assert "--show: --show" not in error
-
-
-def test_python_m_is_the_same_command():
-    done = subprocess.run(
-        [*COMMAND, "--help"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0
-    assert "usage: atlas-drake" in done.stdout
+    assert error.count("\n") == 1
 
 
 # ---- bad input ---------------------------------------------------------------
@@ -104,11 +90,7 @@ def test_python_m_is_the_same_command():
 
 @pytest.mark.parametrize(
     ("text", "field"),
-    [
-        ("durration: 1.0\n", "durration"),
-        ("jitter: {mass: -0.1}\n", "jitter.mass"),
-        ("duration: [\n", "file"),
-    ],
+    [("durration: 1.0\n", "durration"), ("jitter: {mass: -0.1}\n", "jitter.mass")],
 )
 def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
     assert main(["run", scenario(text), "--headless"]) == 2
@@ -153,12 +135,11 @@ def test_options_are_checked_like_the_file(options, complaints, capsys):
 
 
 def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_keys):
-    file = tmp_path / "out.json"
+    file, log, page = (tmp_path / f"run.{end}" for end in ("json", "mcap", "html"))
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
-    arguments += ["--headless", "--json", str(file)]
-    arguments += ["--set", "controller.gains.dcm_gain=2.5", "--set", "seed=8"]
-    log = tmp_path / "run.mcap"
-    arguments += ["--log", str(log)]
+    arguments += ["--duration", "0.06", "--set", "seed=8"]
+    arguments += ["--set", "controller.gains.dcm_gain=2.5", "--headless"]
+    arguments += ["--json", str(file), "--log", str(log), "--record", str(page)]
     assert main(["run", scenario(), *arguments]) == 0
     out = capsys.readouterr().out
     assert "Success: the robot is upright after 0.1 s" in out
@@ -169,14 +150,12 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     assert summary["stopped"] is None
     assert (summary["model"], summary["seed"]) == ("atlas_v3", 8)
     assert summary["physics_step"] == 0.002
-    assert summary["configuration"]["controller"]["gains"]["dcm_gain"] == 2.5
+    assert summary["sim_time"] == pytest.approx(0.06)
     kept = read_log(log)
     # A row at each control tick before the end.
-    assert len(kept) == math.ceil(0.1 / summary["control_period"])
+    assert len(kept) == math.ceil(0.06 / summary["control_period"])
     assert kept.scenario.controller_config().gains.dcm_gain == 2.5
-    assert summary["sim_time"] == pytest.approx(0.1)
-    assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
-    assert len(summary["peak_effort_fraction"]) == 28
+    assert b"/visualizer/atlas_v3/pelvis" in animation_in(page)
 
 
 @pytest.mark.slow
@@ -209,12 +188,10 @@ def test_ctrl_c_ends_a_run_and_its_files_are_complete(scenario, tmp_path, capsys
     assert "Stopped at 0.1 s" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
-def test_a_recording_has_the_motion_and_the_shapes(options, scenario, tmp_path, capsys):
+def test_a_recording_has_the_motion_and_the_shapes(scenario, tmp_path, capsys):
     page = tmp_path / "out.html"
-    assert (
-        main(["run", scenario(), "--record", str(page), "--show", "com", *options]) == 0
-    )
+    options = ["--record", str(page), "--show", "com", "--realtime-rate", "0"]
+    assert main(["run", scenario(), *options]) == 0
     assert str(page) in capsys.readouterr().out
     animation = animation_in(page)
     assert b"/visualizer/atlas/pelvis" in animation
@@ -280,32 +257,20 @@ def test_a_name_that_no_file_can_have_is_bad_input(scenario, tmp_path, capsys):
     ):
         assert main(arguments) == 2
         assert "atlas-drake: error: " in capsys.readouterr().err
-    with pytest.raises(LogError, match="File name too long"):
-        read_log(long.replace("json", "mcap"))
-    link = tmp_path / "loop.mcap"
-    link.symlink_to(link)
-    with pytest.raises(LogError, match="symbolic links"):
-        AtlasSimulation(log=link)
-
-
-def test_a_file_may_have_the_longest_name(tmp_path):
-    path = tmp_path / f"{'a' * 250}.json"
-    assert why_not_writable(path) is None
-    with atomic_write(path) as unfinished:
-        unfinished.touch()
-    assert [*tmp_path.iterdir()] == [path]
 
 
 def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
-    path, flushed = tmp_path / "whole.json", []
+    path, flushed = tmp_path / f"{'a' * 250}.json", []
 
     def flush(number):
         flushed.append((path.exists(), os.fstat(number).st_size))
 
     monkeypatch.setattr(os, "fsync", flush)
+    assert why_not_writable(path) is None
     with atomic_write(path) as unfinished:
         unfinished.write_text("whole")
     assert flushed == [(False, 5)]
+    assert [*tmp_path.iterdir()] == [path]
     assert path.read_text() == "whole"
 
 
@@ -357,14 +322,8 @@ def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
         (["--record", "a.html", "--json", "./a.html"], "--record"),
         (["--json", "scenario.yaml"], "already the file of the scenario"),
         (["--record", "a.txt"], "must end in .html"),
-        *(
-            ([option, "no/file"], option)
-            for option in ("--json", "--record", "--video")
-        ),
-        *(
-            ([option, "."], "is a folder")
-            for option in ("--json", "--record", "--video")
-        ),
+        (["--json", "no/file"], "--json"),
+        (["--video", "."], "is a folder"),
         (["--log", "run.csv"], ".mcap"),
         (["--log", "no/run.mcap"], "there is no folder"),
     ],
@@ -426,8 +385,8 @@ def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
 # ---- verdicts ----------------------------------------------------------------
 
 
-def outcome(**changes):
-    summary = {
+def test_each_outcome_of_a_run_has_its_verdict():
+    ended = {
         "success": True,
         "fell": False,
         "upright": True,
@@ -437,28 +396,22 @@ def outcome(**changes):
         "footsteps": [{"error_m": 0.004, "error_rad": 0.0}],
         "events": [],
     }
-    return summary | changes
-
-
-def test_each_outcome_of_a_run_has_its_verdict():
-    assert verdict(outcome()).startswith(
-        "Success: the robot is upright after 17.0 s, 1 st"
-    )
-    fall = [{"time": 3.2, "kind": "fall", "text": "falling in WALK"}]
-    fell = verdict(outcome(success=False, fell=True, events=fall))
-    assert "fell at 3.2 s: falling in WALK" in fell
-    refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
-    refused = verdict(outcome(success=False, events=refusal))
-    assert "did not execute a command: no such thing" in refused
-    left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
-    assert "ends without step 2" in verdict(outcome(success=False, events=left))
-    assert "did not end upright" in verdict(outcome(success=False, upright=False))
+    assert "upright after 17.0 s, 1 step" in verdict(ended)
     far = [{"error_m": 0.834, "error_rad": 0.0}]
-    elsewhere = verdict(outcome(success=False, footsteps=far))
-    assert "is upright, but a foot landed 0.83 m from" in elsewhere
-    tilted = verdict(outcome(success=False, upright=False, footsteps=far))
-    assert "did not end upright" in tilted
-    assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
+    for changes, words in (
+        ({"fell": True, "events": [_event("fall")]}, "fell at 3.2 s: why"),
+        ({"events": [_event("refusal")]}, "did not execute a command: why"),
+        ({"events": [_event("steps left")]}, "is upright, but why"),
+        ({"upright": False}, "did not end upright"),
+        ({"footsteps": far}, "is upright, but a foot landed 0.83 m from"),
+        ({"footsteps": far, "upright": False}, "did not end upright"),
+        ({"stopped": "diverged"}, "diverged"),
+    ):
+        assert words in verdict(ended | {"success": False} | changes)
+
+
+def _event(kind):
+    return {"time": 3.2, "kind": kind, "text": "why"}
 
 
 # ---- teleoperation -----------------------------------------------------------
@@ -493,49 +446,35 @@ def test_ctrl_c_ends_teleop_cleanly():
 # ---- the diagram's picture ---------------------------------------------------
 
 
-def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
-    file = tmp_path / "diagram.dot"
-    assert main(["diagram", str(file)]) == 0
-    source = file.read_text()
-    for edge in (
-        "scheduler -> command_interface",
-        "controller -> effort_selector",
-        "effort_selector -> plant",
-        "plant -> robot_sensors",
-    ):
-        assert edge in source
-    assert str(file) in capsys.readouterr().out
-
-
-@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-def test_the_diagrams_picture_opens_on_a_desktop(tmp_path, monkeypatch):
-    opened = []
+def test_the_diagram_is_drawn_by_drake_and_opens_on_a_desktop(tmp_path, monkeypatch):
+    opened, calls = [], []
     monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
+    monkeypatch.setattr(shutil, "which", lambda name: name)
+    monkeypatch.setattr(subprocess, "run", lambda *a, **options: calls.append(options))
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.delenv("DISPLAY", raising=False)
     file = tmp_path / "diagram.svg"
     assert main(["diagram", str(file)]) == 0
-    assert opened == []
     monkeypatch.setenv("DISPLAY", ":0")
     assert main(["diagram", str(file), "--no-open"]) == 0
+    assert main(["diagram", str(tmp_path / "diagram.dot")]) == 0
     assert opened == []
     assert main(["diagram", str(file)]) == 0
     assert opened == [file.as_uri()]
-    assert "interface_reporter" in file.read_text()
+    source = (tmp_path / "diagram.dot").read_text()
+    for name in ("scheduler", "station", "controller", "plant", "robot_sensors"):
+        assert f"name={name}\n" in source
+        assert f"name={name}\n" in calls[0]["input"]
 
 
-def test_a_picture_without_graphviz_is_refused(tmp_path, capsys, monkeypatch):
+def test_a_picture_that_cannot_be_drawn_is_bad_input(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert main(["diagram", str(tmp_path / "diagram.png")]) == 2
+    for name, word in {
+        "diagram.png": "install graphviz",
+        "diagram.gif": ".svg",
+        "missing/diagram.dot": "cannot be written",
+    }.items():
+        assert main(["diagram", str(tmp_path / name)]) == 2
+        assert word in capsys.readouterr().err
     assert [*tmp_path.iterdir()] == []
-    error = capsys.readouterr().err
-    assert "install graphviz" in error
-    assert f"ask for {tmp_path / 'diagram.dot'}" in error
-
-
-def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):
-    assert main(["diagram", str(tmp_path / "diagram.gif")]) == 2
-    assert ".svg" in capsys.readouterr().err
-    assert main(["diagram", str(tmp_path / "missing" / "diagram.dot")]) == 2
-    assert "cannot be written" in capsys.readouterr().err

@@ -64,7 +64,7 @@ def test_a_program_has_summary_log_and_verdict(program, tmp_path, capsys):
     ("text", "status", "words"),
     [
         ("import rospy\nrospy.Foo\n", 2, ["rospy.Foo", 'program.py", line 2']),
-        ("import nothing_like_it\n", 2, ["nothing_like_it", "stands in for"]),
+        ("import nothing_like_it\n", 2, ["nothing_like_it"]),
         ("x = (\n", 2, ["program.py:1:"]),
         ("1 / 0\n", 1, ["ZeroDivisionError", 'program.py", line 1']),
         ("raise SystemExit(4)\n", 1, ["ended with status 4"]),
@@ -83,8 +83,8 @@ def test_the_exit_status_tells_a_faulty_program_from_an_unsupported_one(
 @pytest.mark.parametrize("text", ["import rospy\nrospy.spin()\n", "x = 1\n"])
 def test_a_run_lasts_for_its_duration_with_any_program(program, text, capsys):
     path = program(text)
-    assert main(["script", path, "--headless", "--duration", "0.3"]) == 0
-    assert "upright after 0.3 s" in capsys.readouterr().out
+    assert main(["script", path, "--headless", "--duration", "0.1"]) == 0
+    assert "upright after 0.1 s" in capsys.readouterr().out
 
 
 def test_a_program_that_ends_with_a_command_gets_the_hint_to_give_a_duration(
@@ -95,10 +95,10 @@ def test_a_program_that_ends_with_a_command_gets_the_hint_to_give_a_duration(
         "rospy.Publisher('atlas/control_mode', String).publish('Manip')\n"
     )
     assert main(["script", path, "--headless"]) == 0
-    assert "--duration lets Atlas go on" in capsys.readouterr().out
+    assert "--duration" in capsys.readouterr().out
     assert main(["script", path, "--headless", "--duration", "0.05"]) == 0
     out = capsys.readouterr().out
-    assert "lets Atlas go on" not in out
+    assert "--duration" not in out
     assert "STAND -> MANIPULATE" in out
 
 

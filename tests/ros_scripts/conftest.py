@@ -43,7 +43,7 @@ def run(sim, tmp_path, capsys):
         assert (sys.argv, sys.path, time.time) == before[1:]
         assert "rospy" not in sys.modules
         for thread in set(threading.enumerate()) - threads:
-            threading.Thread.join(thread, 1.0)  # In real time.
+            thread.join(1.0)
         assert set(threading.enumerate()) <= threads
         assert sys.modules["__main__"] is before[0]["__main__"]
         return Ran(
