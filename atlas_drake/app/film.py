@@ -85,7 +85,7 @@ def film_run(
         options.video,
         progress,
         size=options.video_size,
-        show=options.show,
+        show=shown_of_log(options.show, records, progress),
         world=world,
     )
 

@@ -58,7 +58,11 @@ class Overlays:
             self.switch(name, True)
 
     def is_on(self, name: str) -> bool:
-        """Returns True if the overlay of a name is shown."""
+        """Returns True if an overlay is shown.
+
+        Args:
+            name: A key of ``OVERLAYS``.
+        """
         return name in self.on
 
     def switch(self, name: str, on: bool) -> None:
@@ -82,7 +86,11 @@ class Overlays:
 
 
 def logged_overlays(content: LogContent) -> tuple[str, ...]:
-    """Returns the overlays that can be shown of a log with that content."""
+    """Returns the overlays that can be shown of a log.
+
+    Args:
+        content: What the log holds.
+    """
     return tuple(
         name
         for name in OVERLAYS
@@ -91,7 +99,10 @@ def logged_overlays(content: LogContent) -> tuple[str, ...]:
 
 
 def overlays_from(text: str) -> list[str]:
-    """Parses a list such as ``com,dcm``, or ``all`` or ``none``.
+    """Parses a list of overlays.
+
+    Args:
+        text: Names such as ``com,dcm``, or ``all`` or ``none``.
 
     Raises:
         ScenarioError: If there is no such overlay.

@@ -25,8 +25,8 @@ GROUND_SIZE, GROUND_THICKNESS = 80.0, 0.02
 """Side and thickness of the ground slab in the view [m]."""
 GRID_SPACING, GRID_BOLD = 0.25, 4
 """Distance between lines [m], and the interval of darker lines."""
-GRID_SIZE = 12.0
-"""Side of the grid, which goes with the robot [m]."""
+GRID_LINES = 24
+"""Number of lines on each side of the middle of the grid, which goes with the robot."""
 GRID_LIFT = 0.001
 """Height of the lines above the ground, so that the ground does not hide them [m]."""
 
@@ -92,15 +92,14 @@ def _add_ground(meshcat: Meshcat) -> None:
     meshcat.SetObject(f"{GROUND}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
     p_WS: Array = np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS])
     meshcat.SetTransform(f"{GROUND}/slab", RigidTransform(p_WS))
-    count = round(0.5 * GRID_SIZE / GRID_SPACING)
-    numbers = np.arange(-count, count + 1)
+    numbers = np.arange(-GRID_LINES, GRID_LINES + 1)
+    bold = numbers % GRID_BOLD == 0
     for name, chosen, color in (
-        ("fine", numbers[numbers % GRID_BOLD != 0], Rgba(0.76, 0.79, 0.82, 1.0)),
-        ("bold", numbers[numbers % GRID_BOLD == 0], Rgba(0.58, 0.63, 0.68, 1.0)),
+        ("fine", numbers[~bold], Rgba(0.76, 0.79, 0.82, 1.0)),
+        ("bold", numbers[bold], Rgba(0.58, 0.63, 0.68, 1.0)),
     ):
-        at = GRID_SPACING * chosen
-        end = np.full(at.size, 0.5 * GRID_SIZE)
-        lift = np.full(at.size, GRID_LIFT)
+        at, lift = GRID_SPACING * chosen, np.full(chosen.size, GRID_LIFT)
+        end = np.full(chosen.size, GRID_SPACING * GRID_LINES)
         starts: Array = np.hstack([[at, -end, lift], [-end, at, lift]])
         ends: Array = np.hstack([[at, end, lift], [end, at, lift]])
         meshcat.SetLineSegments(f"{GROUND}/{name}", starts, ends, 1.0, color)
@@ -108,12 +107,12 @@ def _add_ground(meshcat: Meshcat) -> None:
 
 def _add_light(meshcat: Meshcat) -> None:
     """Sets one lamp above with soft shadows; other lamps do not fade with distance."""
-    for name, intensity in (
-        ("PointLightNegativeX", 0.35),
-        ("PointLightPositiveX", 0.35),
-        ("FillLight", 0.3),
-        ("AmbientLight", 0.75),
-    ):
+    for name, intensity in {
+        "PointLightNegativeX": 0.35,
+        "PointLightPositiveX": 0.35,
+        "FillLight": 0.3,
+        "AmbientLight": 0.75,
+    }.items():
         light = f"/Lights/{name}/<object>"
         meshcat.SetProperty(light, "intensity", intensity)
         if name.startswith("Point"):
@@ -137,7 +136,7 @@ def _add_light(meshcat: Meshcat) -> None:
 
 LAG = 0.7
 """Time constant of the camera, so that it does not sway with the steps [s]."""
-LEAST_MOVE = 0.05
+MIN_MOVE = 0.05
 """Distance of the pelvis over the ground after which the scene moves [m]."""
 
 
@@ -158,10 +157,10 @@ class Following:
     def show(self, record: TickRecord) -> None:
         """Looks at the robot, once per picture."""
         x, y, _ = map(float, record.pelvis.position)
-        recorded = self._overlays.recorded
-        if self._scene is None or (
-            not recorded and math.dist((x, y), self._scene) > LEAST_MOVE
-        ):
+        stays = self._scene is not None and (
+            self._overlays.recorded or math.dist((x, y), self._scene) < MIN_MOVE
+        )
+        if not stays:
             self._scene = x, y
             center_at(self._meshcat, x, y)
         if self._overlays.is_on("follow"):

@@ -36,8 +36,7 @@ def start_meshcat(
 
     Args:
         host: Address to listen on; ``*`` stands for all.
-        port: Port to listen on; if it is in use the next free one is taken. None
-            takes the first free one from 7000.
+        port: Port to listen on, or the next free one; None is the first free from 7000.
         say: Called with a message if the port differs from the requested one, and if
             other computers can reach the view.
 
@@ -54,11 +53,8 @@ def start_meshcat(
     except (OSError, ValueError) as error:  # Meshcat's own error gives no reason.
         rule = f"cannot listen on {host}: {getattr(error, 'strerror', None) or error}"
         raise ScenarioError("--host", host, rule) from error
-    if port is None:
-        candidates: list[int | None] = [None]
-    else:
-        candidates = [*range(port, min(port + PORTS_TRIED, LAST_PORT + 1))]
-    for candidate in candidates:
+    ports = [None] if port is None else range(port, port + PORTS_TRIED)
+    for candidate in ports:
         try:
             meshcat = Meshcat(MeshcatParams(host=host, port=candidate))
         except RuntimeError as error:
@@ -83,11 +79,7 @@ def interactive() -> bool:
 
 
 def open_on_desktop(address: str) -> bool:
-    """Opens a page or picture where there is a graphical desktop to show it.
-
-    Returns:
-        True if it was opened.
-    """
+    """Opens a page or picture, and returns True, where there is a graphical desktop."""
     graphical = sys.platform == "darwin" or any(
         os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
     )
@@ -102,14 +94,11 @@ class Served(Protocol):
         """Returns the address."""
 
     def GetNumActiveConnections(self) -> int:
-        """Returns the number of open pages, named as Meshcat does."""
+        """Returns the number of open pages."""
 
 
 def await_viewer(page: Served, say: Callable[[str], object] = print) -> None:
-    """Prints the address, and gives a browser the time to open and show the start.
-
-    Does not wait if no user is at the terminal.
-    """
+    """Prints the address, and lets a user at the terminal open it."""
     say(f"Watch at {page.web_url()}")
     if not interactive():
         return

@@ -11,6 +11,7 @@ from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.app.main import main
+from atlas_drake.config import as_plain
 from atlas_drake.diagrams.film import RATE, film
 from atlas_drake.frozen import replace
 from atlas_drake.palette import BEHAVIOR, COM, FORCE, USER
@@ -90,17 +91,10 @@ def test_a_file_holds_the_pictures_that_were_added(ending, tmp_path):
         assert video.streams.video[0].average_rate == 25
 
 
-def test_films_that_cannot_be_made_are_refused(tmp_path, monkeypatch):
-    for name, size, word in (
-        ("film.avi", (64, 48), "mp4"),
-        ("film.mp4", (65, 48), "even"),
-        ("none/film.mp4", (64, 48), "none"),
-    ):
-        with pytest.raises(FilmError, match=word):
-            check_film(tmp_path / name, size)
+def test_a_film_that_cannot_be_made_is_refused(tmp_path, monkeypatch):
     check_film(tmp_path / "film.gif", (65, 47))
-    with FilmFile(tmp_path / "empty.mp4", 25, (64, 48)):
-        pass
+    with pytest.raises(FilmError, match="even"):
+        check_film(tmp_path / "film.mp4", (65, 48))
     monkeypatch.setattr(
         "atlas_drake.visualization.film_file.find_spec", lambda _name: None
     )
@@ -213,7 +207,9 @@ def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(
 ):
     view = View([2.0, -3.0, 2.0], [0.0, 0.0, 0.9])
     scenario = replace(log.scenario, world=World(view=view))
-    told = replace(log, header=replace(log.header, scenario=yaml_of(scenario)))
+    told = replace(
+        log, header=replace(log.header, scenario=json.dumps(as_plain(scenario)))
+    )
     pictures = []
     for options in ({}, {"view": view}, {"show": ["follow"]}):
         film(told, tmp_path / "film.gif", size=SIZE, **options)
@@ -222,12 +218,6 @@ def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(
     np.testing.assert_array_equal(fixed, asked)
     np.testing.assert_array_equal(following, plain)
     assert differing(fixed, following).mean() > 0.1
-
-
-def yaml_of(scenario):
-    from atlas_drake.config import as_plain
-
-    return json.dumps(as_plain(scenario))
 
 
 def test_a_mesh_that_cannot_be_drawn_is_named(log, tmp_path):

@@ -171,17 +171,12 @@ def test_only_the_latest_landed_steps_are_drawn(marks):
 
 
 def test_the_outline_is_the_sole_and_shows_where_the_toes_are():
-    sole = SoleSize(length=0.26, width=0.12)
-    outline = sole_outline(sole)
-    assert outline[0].max() == pytest.approx(0.13)
-    assert outline[0].min() == pytest.approx(-0.13)
-    assert np.abs(outline[1]).max() == pytest.approx(0.06)
-    assert np.all(outline[2] == 0.0)
-    at_front = outline[1][np.isclose(outline[0], 0.13)]
-    at_back = outline[1][np.isclose(outline[0], -0.13)]
-    assert np.ptp(at_front) < np.ptp(at_back)
+    x, y, _ = sole_outline(SoleSize(length=0.26, width=0.12))
+    extent = (x.min(), x.max(), y.min(), y.max())
+    assert extent == pytest.approx((-0.13, 0.13, -0.06, 0.06))
+    front, back = (y[np.isclose(x, end)] for end in (0.13, -0.13))
+    assert np.ptp(front) < np.ptp(back)
     # Counter-clockwise, so that the sole is seen from above.
-    x, y = outline[0], outline[1]
     area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
     assert 0.9 * 0.26 * 0.12 < area < 0.26 * 0.12
 
