@@ -114,3 +114,25 @@ def test_the_inertial_sensor_measures_increments_since_the_last_tick():
     np.testing.assert_allclose(velocity[0], ahead, atol=1e-3)
     sensor.reset(context)
     np.testing.assert_array_equal(np.concatenate(reading()[1:]), 0.0)
+
+
+def test_the_noise_of_the_increments_is_that_of_the_imu_in_the_pelvis_axes():
+    sim = AtlasSimulation()
+    plant, robot = sim.plant, sim.robot
+    sensor = InertialSensor(robot, plant, NOISE_MODELS["rough"], 3, TICK / 2, TICK)
+    simulator = Simulator(sensor)
+    context = simulator.get_mutable_context()
+    state = sim.output("state").copy()
+    state[plant.num_positions() :] = 0.0
+    sensor.GetInputPort("state").FixValue(context, state)
+    simulator.AdvanceTo(1.5 * TICK)
+    reading = sensor.GetOutputPort("inertial").Eval(context)
+    drawn = sensor.noise(context).sample(context.get_time())
+    imu = plant.GetFrameByName(robot.file.imu_frame)
+    R_PI = imu.GetFixedPoseInBodyFrame().rotation().matrix()
+    gyro, force = R_PI @ drawn.angular_velocity, R_PI @ drawn.specific_force
+    dt = 0.5 * TICK
+    np.testing.assert_allclose(reading[:3], gyro, atol=1e-12)
+    np.testing.assert_allclose(reading[3:6], dt * gyro, atol=1e-12)
+    velocity = dt * (np.array([0.0, 0.0, GRAVITY]) + force)
+    np.testing.assert_allclose(reading[6:], velocity, atol=1e-5)
