@@ -265,7 +265,13 @@ def make_whole_body_controller(
     scenario: Scenario,
     entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
 ) -> WholeBodyController:
-    """Makes the default controller of a station."""
+    """Makes the default controller of a station.
+
+    Args:
+        robot: Robot to control.
+        scenario: Scenario of the station, as a controller's callable gets it.
+        entries: Entries of the behaviors.
+    """
     entries = tuple(entries)
     tuning, period = scenario.controller_config(entries), scenario.control_period
     return WholeBodyController(robot, tuning, period, scenario.behavior(), entries)

@@ -11,18 +11,22 @@ from pathlib import Path
 import pytest
 
 import atlas_drake
-from atlas_drake.diagrams import atlas_station, control_mode_switch
-from atlas_drake.visualization import overlays
+from atlas_drake.diagrams.atlas_station import (
+    make_atlas_station,
+    make_whole_body_controller,
+)
+from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.visualization.overlays import Overlays
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = {name: getattr(atlas_drake, name) for name in atlas_drake.__all__}
-for module in (atlas_station, control_mode_switch, overlays):
-    PUBLIC |= {
-        name: value
-        for name, value in vars(module).items()
-        if not name.startswith("_")
-        and getattr(value, "__module__", "") == module.__name__
-    }
+for value in (
+    make_atlas_station,
+    make_whole_body_controller,
+    make_control_mode_switch,
+    Overlays,
+):
+    PUBLIC[value.__name__] = value
 
 
 def functions():

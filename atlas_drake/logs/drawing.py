@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from pydrake.common.yaml import yaml_load
 
 from atlas_drake.logs.footprints import runs
 from atlas_drake.logs.log import Log
@@ -55,7 +54,7 @@ def titled_figure(log: Log, height: float) -> Figure:
     """Returns a figure with title and subtitle."""
     figure, time = Figure(figsize=(WIDTH, height)), log.time
     left, top = LEFT / WIDTH, 1.0 - 0.32 / height
-    scenario = yaml_load(data=log.header.scenario)["name"]
+    scenario = log.scenario.name
     title = f"{log.path.name}: {log.header.model}, scenario {scenario}"
     figure.text(left, top, title, fontsize=14, weight="bold", va="center")
     period = 1e3 * log.header.control_period

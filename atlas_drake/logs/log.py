@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load
 
+from atlas_drake.config import read_yaml
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
 from atlas_drake.logs.topics import STRUCTURED, part_of_message
@@ -332,7 +332,7 @@ class Log:
             LogError: If this version of the program cannot run the scenario.
         """
         try:
-            return scenario_from(yaml_load(data=self.header.scenario))
+            return scenario_from(read_yaml(self.header.scenario))
         except Exception as error:
             # The loader raises many kinds of exception.
             raise LogError(f"{self.path}: its scenario is unknown: {error}") from error

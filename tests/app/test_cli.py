@@ -368,11 +368,11 @@ def test_a_full_disk_loses_one_file_and_no_other(full, scenario, tmp_path, capsy
 def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
     scenario, tmp_path, capfd, ctrl_c, monkeypatch
 ):
-    detach = run_command.AtlasSimulation.detach
+    close = run_command.AtlasSimulation.close
     monkeypatch.setattr(
         run_command.AtlasSimulation,
-        "detach",
-        lambda sim, sink: (ctrl_c(), detach(sim, sink)),
+        "close",
+        lambda sim: (ctrl_c(), close(sim)),
     )
     file, log = tmp_path / "out.json", tmp_path / "out.mcap"
     keep = ["--json", str(file), "--log", str(log)]

@@ -260,8 +260,8 @@ def foreign(shared):
         (lambda: Plan(com_reference=[0.0] * 3), "com_reference"),
         (lambda: Plan(omega=-1.0), "omega"),
         (lambda: PlannedPaths(swing=["up"]), "swing"),
-        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot of a Footstep"),
-        (lambda: Footstep(1, 0, None, 0.0), "p_WF of a Footstep"),
+        (lambda: Footstep(1, 2, [0.0] * 3, 0.0), "foot"),
+        (lambda: Footstep(1, 0, None, 0.0), "p_WF"),
     ],
 )
 def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):

@@ -248,7 +248,7 @@ def demo_walk():
 
 
 def test_a_view_shows_the_restored_moment_at_once():
-    meshcat, planned = Meshcat(), "/atlas_drake/footsteps/0"
+    meshcat, planned = Meshcat(), "/atlas_drake/shapes"
     sim = AtlasSimulation(view=meshcat)
     sim.advance(0.01)
     snapshot = sim.snapshot()
