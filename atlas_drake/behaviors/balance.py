@@ -58,15 +58,10 @@ class StanceConfig(Configuration):
 
 
 class FootCommand(NamedTuple):
-    """Command of one foot.
+    """Command of one foot."""
 
-    Attributes:
-        task: Motion of the sole.
-        contact: Contact of the sole with the ground; None for a foot in the air.
-    """
-
-    task: FrameTask
-    contact: Contact | None = None
+    task: FrameTask  # Motion of the sole
+    contact: Contact | None = None  # With the ground; None for a foot in the air
 
 
 class Balance:
@@ -126,14 +121,8 @@ class Balance:
     ) -> WholeBodyCommand:
         """Builds the QP's command that tracks ``reference`` within ``support``.
 
-        Args:
-            observation: Observation of this tick.
-            body: Reference of trunk, height and posture.
-            reference: Reference of DCM and CoP.
-            omega: Natural frequency of the pendulum [1/s].
-            support: Region of the CoP.
-            feet: Left and right foot.
-            quick: True in a quick step, in which the height weighs less.
+        The height of the center of mass weighs less in a ``quick`` step; ``omega`` is
+        the natural frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
         cop = self.wanted_cop(observation, reference, omega, support)
@@ -314,22 +303,13 @@ class Balance:
         )
 
     def toes(self, toeing: FootPose) -> SupportPolygon:
-        """Computes the region of the CoP for a foot on its toes.
-
-        Args:
-            toeing: Pose of the foot before its heel rose.
-        """
+        """Computes the region of the CoP for a foot on its toes, from its flat pose."""
         contact, sole = self.gains.contact, self.robot.file.sole
         half_width = sole.width / 2 - contact.width_margin
         return SupportPolygon(toe_corners(toeing, sole.length / 2, half_width))
 
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
-        """Computes the region of the CoP with one foot flat and the other on its toes.
-
-        Args:
-            flat: Pose of the flat foot.
-            toeing: Pose of the other foot before its heel rose.
-        """
+        """Computes the region of the CoP with one foot flat, the other on its toes."""
         toes = self.toes(toeing).vertices
         return SupportPolygon(np.concatenate([self._corners(flat)[:, :2], toes]))
 

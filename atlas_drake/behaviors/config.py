@@ -54,15 +54,7 @@ class ControllerConfig(Configuration):
     def of(
         file: RobotFile, behaviors: Iterable[BehaviorEntry] | None = None
     ) -> "ControllerConfig":
-        """Returns the configuration of a robot: its file's values, or else defaults.
-
-        Args:
-            file: The robot's file.
-            behaviors: As for ``with_values``.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the configuration of a robot: its file's values, or else defaults."""
         return ControllerConfig().with_values(file.controller, behaviors)
 
     def with_values(

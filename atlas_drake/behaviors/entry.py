@@ -174,19 +174,7 @@ def legal_transitions(
 
 
 def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, str]:
-    """Determines why a behavior cannot begin now.
-
-    Args:
-        target: Entry of the requested behavior.
-        asked: The requested transition.
-
-    Returns:
-        The flag for the feedback, OK if the behavior can begin, and a reason in words,
-        which may be empty.
-
-    Raises:
-        BehaviorError: If a condition returns a value of another type.
-    """
+    """Returns why a behavior cannot begin now: a flag, OK if it can, and words."""
     if not target.may_follow(asked.source):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, ""
     for condition in target.conditions:

@@ -19,14 +19,7 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
 def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries of the user's own behaviors after checking every field.
-
-    Args:
-        behaviors: Entries to add to the shipped ones.
-
-    Raises:
-        BehaviorError: If an entry cannot be registered; names behavior and field.
-    """
+    """Returns the entries of the user's own behaviors after checking every field."""
     if not isinstance(behaviors, Iterable):
         raise BehaviorError(
             f"behaviors must be a list of BehaviorEntry values, is {shown(behaviors)}"
@@ -47,14 +40,7 @@ def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
 
 
 def _check(entry: Any, names: list[str], kinds: dict[str, type]) -> None:
-    """Raises BehaviorError if a field of an entry cannot be used.
-
-    Args:
-        entry: The entry.
-        names: Names of all behaviors.
-        kinds: Types of the fields of ``ControllerConfig`` that are in use; the entry's
-            own one is added.
-    """
+    """Raises BehaviorError if a field of an entry cannot be used."""
 
     def refuse(field: str, requirement: str) -> None:
         raise BehaviorError(

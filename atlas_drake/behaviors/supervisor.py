@@ -65,12 +65,7 @@ class Supervisor:
     ):
         """Makes the behaviors of all entries.
 
-        Args:
-            model: Model of the robot.
-            config: Parameters of the behaviors.
-            nominal_height: Height of the center of mass above the soles when standing
-                [m].
-            entries: Entries of the behaviors.
+        ``nominal_height`` is that of the CoM above the soles when standing [m].
         """
         robot = model.robot
         balance = Balance(robot, config.gains, config.stance)
@@ -108,17 +103,10 @@ class Supervisor:
         observation: Observation,
         requests: Sequence[BehaviorRequest],
     ) -> tuple[SupervisorState, WholeBodyCommand | None]:
-        """Computes one tick.
+        """Computes one tick: the next state, and the command for the QP; None for none.
 
-        Args:
-            state: State after the last tick.
-            observation: Present observation of the robot.
-            requests: The latest requests, at least one, oldest first; those that came
-                since the last tick are handled in their order.
-
-        Returns:
-            The next state, and the command for the whole-body QP; None when no
-            behavior acts.
+        ``requests`` are at least one, oldest first; those that came since the last tick
+        are handled in their order.
         """
         active = state.active
         if isinstance(active, Starting):
@@ -179,10 +167,8 @@ class Supervisor:
     ) -> ControllerStatus:
         """Returns the status of the behaviors; it says nothing of the QP.
 
-        Args:
-            state: State after the last tick.
-            com: Center of mass at that tick, horizontal in W [m], shape (2,).
-            omega: Natural frequency of the pendulum at that tick [1/s].
+        CoM, horizontal in W [m], and ``omega`` of the pendulum [1/s] are those of the
+        tick.
         """
         falling = BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
         last, active, feedback = state.last, state.active, None
@@ -358,11 +344,7 @@ class Supervisor:
 def _made(
     entry: BehaviorEntry, tools: BehaviorTools, config: ControllerConfig
 ) -> BehaviorProtocol:
-    """Makes the behavior of an entry.
-
-    Raises:
-        BehaviorError: If the result is not a behavior.
-    """
+    """Makes the behavior of an entry, and refuses what is no behavior."""
     own = entry.config
     if own is not None:
         own = getattr(config, entry.configured_at, own)

@@ -174,14 +174,10 @@ def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Footh
 
 
 def _parts(full: float, ramp: float) -> list[float]:
-    """Divides a way into the parts of its steps, shorter at the beginning and the end.
+    """Divides a way into the shares of its steps, shorter at the beginning and the end.
 
-    Args:
-        full: Length of the way in full steps, which are the longest.
-        ramp: Largest change of the length from step to step, in full steps.
-
-    Returns:
-        Share of each step in the way, at least one; the sum is 1.
+    ``full`` is the length of the way in full steps, which are the longest; ``ramp`` the
+    largest change of the length from step to step, in full steps.
     """
     count = max(_ceil(full), 1)
     while True:
@@ -240,11 +236,7 @@ def _steps(
 def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foothold:
     """Computes the middle between the feet after a step toward ``goal``.
 
-    Args:
-        stance: The middle if ``foot`` stood beside the stance foot.
-        goal: Goal of the middle.
-        foot: Foot that steps.
-        gait: Gait with the limits of the step.
+    ``stance`` is the middle if ``foot`` stood beside the stance foot.
     """
     side = outward(foot)
     turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
@@ -260,12 +252,7 @@ def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
 
     Only a foot that turns inward comes near a limit: the turn also moves the foot
     ahead, and each distance ahead brings it nearer to the stance foot. No ``Gait``
-    reaches the other limits.
-
-    Args:
-        out: Way of the middle to the side of the stepping foot [m].
-        turn: Outward turn [rad], at least -``StepLimits.toe_in``.
-        gait: Gait with the limits of the robot.
+    reaches the other limits. ``out`` is the way to the side of the stepping foot [m].
     """
     limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)

@@ -38,33 +38,19 @@ from atlas_drake.rotations import tilt_of
 
 @dataclass(frozen=True)
 class ManipulateState:
-    """State of MANIPULATE: requested pose, goal and reference of the pelvis.
+    """State of MANIPULATE: requested pose, goal and reference of the pelvis."""
 
-    Attributes:
-        stance: Latched poses of the feet.
-        commanded: The requested pose, not clamped.
-        goal: The requested pose, clamped.
-        home: STAND's pose, at which MANIPULATE begins and ends.
-        motion: The reference, which moves towards the goal.
-        upper: Trunk and arms at the time of the last clamping.
-        sensed: The measured pose.
-        request: The last request read; None to read it again.
-        demo_time: Time since the beginning of the demo [s]; None without demo.
-        demo_share: Share of the demo's movement that the legs allow [-].
-        waits: True while the user controls a leg joint, and the reference rests.
-    """
-
-    stance: Stance
-    commanded: PelvisPose
-    goal: PelvisPose
-    home: PelvisPose
-    motion: PelvisMotion
-    upper: np.ndarray
-    sensed: PelvisPose
-    request: BehaviorRequest | None = None
-    demo_time: float | None = None
-    demo_share: float = 0.0
-    waits: bool = False
+    stance: Stance  # Latched poses of the feet
+    commanded: PelvisPose  # The requested pose, not clamped
+    goal: PelvisPose  # The requested pose, clamped
+    home: PelvisPose  # STAND's pose, at which MANIPULATE begins and ends
+    motion: PelvisMotion  # The reference, which moves towards the goal
+    upper: np.ndarray  # Trunk and arms at the time of the last clamping
+    sensed: PelvisPose  # The measured pose
+    request: BehaviorRequest | None = None  # Last request read; None: read it again
+    demo_time: float | None = None  # Time since the demo began [s]; None without demo
+    demo_share: float = 0.0  # Share of the demo's movement that the legs allow [-]
+    waits: bool = False  # The user controls a leg joint, and the reference rests
 
     def dcm_reference(self, omega: float) -> DcmReference:
         """Computes the references of DCM and CoP for the pendulum's frequency [1/s]."""

@@ -45,23 +45,14 @@ Pose: TypeAlias = (
 
 @dataclass(frozen=True)
 class StandState:
-    """State of STAND: latched feet and CoM reference.
+    """State of STAND: latched feet and CoM reference."""
 
-    Attributes:
-        feet: Latched poses of the left and right sole.
-        support: Region of the CoP on the feet.
-        middle: Middle between the feet in W [m], shape (3,).
-        yaw: Mean heading of the feet [rad].
-        com: Reference of the center of mass, horizontal in W [m], shape (2,).
-        height: Height of the center of mass in W, within the reach of the legs [m].
-    """
-
-    feet: tuple[FootPose, FootPose]
-    support: SupportPolygon
-    middle: np.ndarray
-    yaw: float
-    com: np.ndarray
-    height: float
+    feet: tuple[FootPose, FootPose]  # Latched poses of the left and right sole
+    support: SupportPolygon  # Region of the CoP on the feet
+    middle: np.ndarray  # Middle between the feet in W [m], shape (3,)
+    yaw: float  # Mean heading of the feet [rad]
+    com: np.ndarray  # Reference of the center of mass, horizontal in W [m], shape (2,)
+    height: float  # Height of the center of mass in W, within the reach of the legs [m]
 
 
 class Stand(BehaviorProtocol):
@@ -75,15 +66,7 @@ class Stand(BehaviorProtocol):
         config: StandConfig | None = None,
         pose: Pose | None = None,
     ):
-        """Stands with the center of mass ``nominal_height`` [m] above the soles.
-
-        Args:
-            balance: Gains, support polygons and tasks.
-            nominal_height: Height of the center of mass above the soles [m].
-            rates: Speed limits of trunk and posture.
-            config: Parameters; None for the defaults.
-            pose: Change of the upright target of trunk and posture, if any.
-        """
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         self._pose = pose
         self._config = config or StandConfig()
         self._balance = balance

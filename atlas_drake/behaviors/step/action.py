@@ -78,10 +78,7 @@ def desired_step(
 ) -> Footstep | None:
     """Returns the step that a message requests; None if it requests none.
 
-    Args:
-        params: Parameters of the message.
-        feet_z: Heights of the left and right sole in W [m].
-        default: Parameters for those that the message leaves open.
+    ``feet_z`` are the heights of the soles in W [m].
     """
     if params.use_spec:
         desired = _from_spec(params.desired_step_spec, default)
@@ -96,14 +93,7 @@ def desired_step(
 def demo_step(
     feet: tuple[FootPose, FootPose], index: int, default: StepAction, gait: Gait
 ) -> Footstep | None:
-    """Returns a step ahead with the rear foot; None after the demo's last step.
-
-    Args:
-        feet: Poses of the left and the right sole.
-        index: Index of the step.
-        default: Parameters of the step.
-        gait: Distances between footprints.
-    """
+    """Returns a step ahead with the rear foot; None after the demo's last step."""
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
     behind = float(ahead @ (feet[1].p_WF[:2] - feet[0].p_WF[:2])) < -SIDE_BY_SIDE

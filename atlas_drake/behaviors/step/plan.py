@@ -62,26 +62,15 @@ class PostureRules(Configuration):
 
 @dataclass(frozen=True)
 class StepPlan:
-    """Plan of one step.
+    """Plan of one step."""
 
-    Attributes:
-        taken: The step as it can be taken.
-        com: Position of the center of mass over the stance foot, horizontal in W [m],
-            shape (2,).
-        hips: Hip positions from the center of mass, in W [m], shape (2, 3).
-        lean: Pitch of the trunk [rad].
-        heel: Angle by which the leaving heel has risen at lift-off [rad].
-        height: Height of the center of mass in W, within the reach of the legs [m].
-        ceiling: Height in W to which the leaving leg can lift its sole [m].
-    """
-
-    taken: Footstep
-    com: np.ndarray
-    hips: np.ndarray
-    lean: float
-    heel: float
-    height: float
-    ceiling: float
+    taken: Footstep  # The step as it can be taken
+    com: np.ndarray  # CoM over the stance foot, horizontal in W [m], shape (2,)
+    hips: np.ndarray  # Hip positions from the center of mass, in W [m], shape (2, 3)
+    lean: float  # Pitch of the trunk [rad]
+    heel: float  # Rise of the leaving heel at lift-off [rad]
+    height: float  # Height of the center of mass in W, within the reach of the legs [m]
+    ceiling: float  # Height in W to which the leaving leg can lift its sole [m]
 
 
 class StepPlanner:
@@ -125,18 +114,11 @@ class StepPlanner:
         feet: tuple[FootPose, FootPose],
         desired: Footstep,
     ) -> StepPlan | None:
-        """Plans a step with the least change of posture, shortened if necessary.
+        """Plans a step with the least change of posture; None if it is out of reach.
 
-        A step to another height is not shortened, because the ground at the shorter
-        distance may have another height; its height is not changed either.
-
-        Args:
-            terms: Kinematics and dynamics at the present state.
-            feet: Poses of both soles on the ground.
-            desired: The requested step.
-
-        Returns:
-            The plan; None for a step that is out of reach.
+        If necessary the step is shortened. A step to another height is not, because the
+        ground at the shorter distance may have another height; its height is not
+        changed either.
         """
         foot, rules = desired.foot, self._rules
         stance = feet[1 - foot]

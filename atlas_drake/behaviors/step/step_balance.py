@@ -34,17 +34,11 @@ from atlas_drake.rotations import mean_yaw
 
 @dataclass(frozen=True)
 class Reach:
-    """Poses that the legs have to reach.
+    """Poses that the legs have to reach."""
 
-    Attributes:
-        height: Height of the center of mass in W, if the legs can reach it [m].
-        now: Present poses of the soles; landing pose of a foot in the air.
-        later: Poses of the soles at the end of the weight shift, each with its foot.
-    """
-
-    height: float
-    now: Sequence[FootPose]
-    later: Sequence[tuple[int, FootPose]]
+    height: float  # Height of the center of mass in W, if the legs can reach it [m]
+    now: Sequence[FootPose]  # Present poses of the soles; on landing, if in the air
+    later: Sequence[tuple[int, FootPose]]  # Foot and pose after the weight shift
 
 
 class StepBalance:

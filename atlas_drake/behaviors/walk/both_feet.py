@@ -151,10 +151,7 @@ class Settling(PhaseControl[WalkSettle]):
 def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:
     """Returns True if no CoP between the feet brings the DCM back to its plan.
 
-    Args:
-        phase: A phase with both feet on the ground.
-        observation: Observation of this tick.
-        margin: Distance outside the support polygon, beyond that of the plan [m].
+    ``margin`` is a distance outside the support polygon, beyond that of the plan [m].
     """
     support = phase.support
     outside = support.distance_outside(
@@ -167,13 +164,7 @@ def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bo
 
 
 def steps_left_out(phase: WalkSettle, time: float, leaving: bool) -> tuple[Event, ...]:
-    """Makes an event of the steps that the walk leaves out, if any.
-
-    Args:
-        phase: The last phase of the walk.
-        time: Time of the walk's end [s].
-        leaving: True if the end of the walk was requested.
-    """
+    """Makes an event of the steps that the walk leaves out, if any."""
     progress = phase.progress
     if progress.pending:
         left = ", ".join(str(step.index) for step in progress.pending)

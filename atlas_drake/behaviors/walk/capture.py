@@ -34,16 +34,6 @@ def capture_step(
 
     The foot that gets nearer to that point steps. The CoP r is the point of the other
     sole that is nearest to the DCM.
-
-    Args:
-        index: Index of the step.
-        feet: Poses of both soles on the ground.
-        supports: Region of the CoP under each sole.
-        dcm: DCM in W [m], shape (2,).
-        omega: Natural frequency of the pendulum [1/s].
-        timing: Timing of the walk.
-        swing_height: Apex of the swing [m].
-        limits: Limits of a step.
     """
     duration = limits.duration.least
     growth = math.exp(omega * timing.swing(duration))
@@ -70,15 +60,6 @@ def closing_step(
     duration: float,
     swing_height: float,
 ) -> Footstep:
-    """Makes the step that puts ``foot`` beside the ``other`` one.
-
-    Args:
-        index: Index of the step.
-        foot: The foot that steps.
-        other: Pose of the other foot.
-        width: Distance between the feet side by side [m].
-        duration: Duration of the step [s].
-        swing_height: Apex of the swing [m].
-    """
+    """Makes the step that puts ``foot`` beside the ``other`` one."""
     beside = outward(foot) * width * rotation_z(other.yaw)[:, 1]
     return Footstep(index, foot, other.p_WF + beside, other.yaw, duration, swing_height)

@@ -22,10 +22,7 @@ from atlas_drake.rotations import rotation_z
 def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
     """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
 
-    Args:
-        pose: Pose of the sole.
-        foot: The stance foot.
-        inward: Distance from the middle of the sole toward the other foot [m].
+    It lies ``inward`` [m] from the middle of the sole, toward the other foot.
     """
     to_the_other = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
     return pose.p_WF[:2] + inward * to_the_other
@@ -44,16 +41,8 @@ def plan_walk(
     """Makes the DCM plan from now through ``steps`` to rest.
 
     The plan is computed backward from rest, which determines the DCM at its beginning.
-
-    Args:
-        cop: Present reference of the CoP [m], shape (2,).
-        first_phase: Time left in the present phase [s].
-        feet: Poses of the soles on the ground.
-        steps: Coming steps, the present one first; may be empty.
-        swinging: True in single support: the present phase is steps[0]'s swing.
-        timing: Timing of the phases.
-        omega: Natural frequency of the pendulum [1/s].
-        inward: As for ``stance_cop``.
+    The present phase, with the CoP at ``cop``, ends after ``first_phase`` [s]; if
+    ``swinging``, it is the swing of the first step.
     """
     segments: list[CopSegment] = []
     poses = list(feet)
@@ -88,15 +77,6 @@ def landing_sensitivity(
 
     The following steps are held fixed, so that the plan is linear in the landing place,
     and any offset gives the same result.
-
-    Args:
-        cop: Present reference of the CoP [m], shape (2,).
-        swing_time: Time left in the swing [s].
-        feet: Poses of the soles on the ground.
-        steps: Coming steps, the one in the air first.
-        timing: Timing of the phases.
-        omega: Natural frequency of the pendulum [1/s].
-        inward: As for ``stance_cop``.
     """
     first, *rest = steps
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
@@ -115,11 +95,6 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
     To accelerate a pendulum to one side, the CoP first moves to the other side, and
     then to the end of the plan's first segment. Without this segment, the feedback
     would cause the same motion with a jump of the CoP.
-
-    Args:
-        plan: Plan from ``plan_walk``, for a robot on both feet.
-        dcm: Present DCM in W [m], shape (2,).
-        support: Region of the CoP.
     """
     first, *rest = plan.segments
     half = 0.5 * first.duration

@@ -141,11 +141,7 @@ class WalkPlanner:
         return swing, (caught_balance(observation.time, swing.step),)
 
     def closing(self, progress: WalkProgress) -> WalkProgress | None:
-        """Adds a step that puts the feet side by side after a caught balance.
-
-        Returns:
-            The progress with that step; None if it is not needed.
-        """
+        """Adds a square-up step after a recovery step; None if none is needed."""
         if not progress.last_was_own or progress.last_foot is None:
             return None
         foot = 1 - progress.last_foot
@@ -163,12 +159,7 @@ class WalkPlanner:
         return replace(progress, pending=pending, own_index=step.index)
 
     def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
-        """Makes the swing of the next step.
-
-        Args:
-            progress: WalkProgress with at least one coming step.
-            late: Time by which the swing is shortened [s].
-        """
+        """Makes the swing of the next step, shortened by ``late`` [s]."""
         step = self.coming(progress)[0]
         duration = self._timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
@@ -203,13 +194,7 @@ class WalkPlanner:
     def move_landing(
         self, phase: WalkSwing, step: Footstep, sooner: float
     ) -> WalkSwing:
-        """Replans a swing for the same step with another landing place and time.
-
-        Args:
-            phase: The swing.
-            step: The step, with its new place.
-            sooner: Time by which touchdown comes earlier [s].
-        """
+        """Replans a swing for another landing place, and a ``sooner`` touchdown [s]."""
         duration = phase.duration - sooner
         progress = phase.progress
         stance = 1 - step.foot
@@ -226,13 +211,7 @@ class WalkPlanner:
     def land(
         self, progress: WalkProgress, cop: np.ndarray, early: float
     ) -> Transfer | WalkSettle:
-        """Makes the phase after a touchdown: a transfer if a step follows.
-
-        Args:
-            progress: WalkProgress with the foot at its landed pose.
-            cop: Present reference of the CoP in W [m], shape (2,).
-            early: Time from touchdown to the planned touchdown [s].
-        """
+        """Makes the phase after a touchdown ``early`` by [s]: transfer or settling."""
         coming = self.coming(progress)
         if not coming:
             return self.settle(progress, cop)

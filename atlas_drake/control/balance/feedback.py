@@ -23,11 +23,7 @@ finite for a robot that lies on the ground."""
 
 
 def pendulum_frequency(height: float) -> float:
-    """Natural frequency of the inverted pendulum √(g/z) [1/s].
-
-    Args:
-        height: Height z of the center of mass above the ground at the feet [m].
-    """
+    """Natural frequency of the inverted pendulum √(g/z), z its height [m], [1/s]."""
     return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
 
 

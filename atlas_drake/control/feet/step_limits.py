@@ -76,13 +76,7 @@ class StepLimits(Configuration):
     """Apex of a swing above the middle of its ends [m]."""
 
     def extended(self, outward: float, inward: float = 0.0) -> Self:
-        """Returns limits with other distances between the feet.
-
-        Args:
-            outward: Distance [m] by which a step may go farther ahead, back and to
-                its side.
-            inward: Distance [m] by which the feet may be nearer to each other.
-        """
+        """Returns limits with the feet farther apart or nearer to each other [m]."""
         narrowest, widest = self.width
         return replace(
             self,

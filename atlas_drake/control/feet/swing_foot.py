@@ -71,19 +71,12 @@ class SwingProfile(Configuration):
 
 @dataclass(frozen=True)
 class FootSwing:
-    """State of the swing reference, advanced once per control tick.
+    """State of the swing reference, advanced once per control tick."""
 
-    Attributes:
-        start: Pose at lift-off.
-        duration: Duration of the swing [s].
-        elapsed: Time since lift-off [s].
-        xy, xy_velocity, xy_acceleration: Horizontal reference in W, shape (2,).
-    """
-
-    start: FootPose
-    duration: float
-    elapsed: float
-    xy: np.ndarray
+    start: FootPose  # Pose at lift-off
+    duration: float  # Duration of the swing [s]
+    elapsed: float  # Time since lift-off [s]
+    xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
 
@@ -98,11 +91,7 @@ class FootSwing:
         return min(self.elapsed / self.duration, 1.0)
 
     def hastened(self, sooner: float) -> FootSwing:
-        """Returns the swing at the same point of its path, with an earlier landing.
-
-        Args:
-            sooner: Time by which touchdown comes earlier [s].
-        """
+        """Returns the swing at the same point of its path, landing ``sooner`` [s]."""
         if sooner == 0.0:
             return self
         left = self.remaining - sooner
@@ -112,18 +101,12 @@ class FootSwing:
 
 @dataclass(frozen=True)
 class SwingReference:
-    """Reference of the sole at one instant: pose, velocity, acceleration in W.
+    """Reference of the sole at one instant: pose, velocity, acceleration in W."""
 
-    Attributes:
-        p_WF, v_WF, a_WF: Position, velocity and acceleration of the sole's center,
-            shape (3,).
-        R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
-    """
-
-    p_WF: np.ndarray
+    p_WF: np.ndarray  # Of the sole's center: position, velocity, acceleration
     v_WF: np.ndarray
     a_WF: np.ndarray
-    R_WF: np.ndarray
+    R_WF: np.ndarray  # Orientation, angular velocity and acceleration
     w_WF: np.ndarray
     alpha_WF: np.ndarray
 

@@ -27,22 +27,13 @@ from atlas_drake.robot import Robot
 
 @dataclass(frozen=True)
 class PidState:
-    """State of the law; arrays (n,).
+    """State of the law; arrays (n,)."""
 
-    Attributes:
-        integral: Integral of the position error times its gain [N·m].
-        velocity: Velocity at the last step [rad/s].
-        applied: Effort of the motors in the last step, within their limits [N·m].
-        expected: Change of velocity expected in the last step, by the motors and by
-            all other forces [rad/s].
-        static: ``static_effort`` of the last step [N·m].
-    """
-
-    integral: np.ndarray
-    velocity: np.ndarray
-    applied: np.ndarray
-    expected: np.ndarray
-    static: np.ndarray
+    integral: np.ndarray  # Integral of the position error times its gain [N·m]
+    velocity: np.ndarray  # Velocity at the last step [rad/s]
+    applied: np.ndarray  # Effort of the motors in the last step, limited [N·m]
+    expected: np.ndarray  # Change of velocity expected in the last step [rad/s]
+    static: np.ndarray  # ``static_effort`` of the last step [N·m]
 
 
 def within_limits(
@@ -119,27 +110,15 @@ saturated [-]."""
 
 @dataclass(frozen=True)
 class StepModel:
-    """Response of the velocities to efforts within a step.
+    """Response of the velocities to efforts within a step."""
 
-    Attributes:
-        response: h·Λ, velocity change per effort [rad/s per N·m], shape (n, n).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        share: Blend weight k of the user for each joint, 0 to 1, shape (n,).
-        gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
-        blend: Weight b of a new change of velocity in the estimate [-].
-        prompt: Part of a change of the user's static effort that acts without the
-            estimate's delay, times k, see ``change_without_user`` [-], shape (n,).
-        stiffness: h·kp, change of the static effort per velocity [N·m·s/rad], shape
-            (n,).
-    """
-
-    response: np.ndarray
-    damping: np.ndarray
-    share: np.ndarray
-    gain: np.ndarray
-    blend: float
-    prompt: np.ndarray
-    stiffness: np.ndarray
+    response: np.ndarray  # h·Λ, velocity change per effort [rad/s per N·m], (n, n)
+    damping: np.ndarray  # Sum d of all gains on velocity [N·m·s/rad], shape (n,)
+    share: np.ndarray  # Blend weight k of the user for each joint, 0 to 1, shape (n,)
+    gain: np.ndarray  # G = (1 + D·h·Λ·K)⁻¹, shape (n, n)
+    blend: float  # Weight b of a new change of velocity in the estimate [-]
+    prompt: np.ndarray  # k times the part of a static effort that acts at once, (n,)
+    stiffness: np.ndarray  # h·kp, static effort per velocity [N·m·s/rad], (n,)
 
 
 def step_model(
@@ -151,12 +130,7 @@ def step_model(
 ) -> StepModel:
     """Makes the model of the robot that ``user_effort`` needs.
 
-    Args:
-        stiffness: Gain kp on position [N·m/rad], shape (n,).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        share: Blend weight k of the user for each joint, 0 to 1.
-        inverse_mass: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
-        dt: The step h [s].
+    The gains are kp [N·m/rad] and the sum d of all gains on velocity [N·m·s/rad].
     """
     response = dt * inverse_mass
     coupling = damping[:, None] * (response * share)
@@ -300,17 +274,9 @@ def _saturated_damped(
     response: np.ndarray,
     limit: np.ndarray,
 ) -> np.ndarray:
-    """Solves the program of ``_saturated`` for damped joints; arrays (m,) and (m, m).
+    """Solves the program of ``_saturated`` for damped joints: efforts t [N·m], (m,).
 
-    Args:
-        wanted: K·τ_static + others [N·m].
-        idle: v_0 [rad/s].
-        damping: E, positive [N·m·s/rad].
-        response: h·Λ [rad/s per N·m].
-        limit: L [N·m]
-
-    Returns:
-        Efforts t [N·m].
+    The arguments are K·τ_static + others, v_0, E, h·Λ and L.
     """
     # Efforts beyond all that the damping can compensate are equivalent; a smaller one
     # keeps the solver accurate.
@@ -352,11 +318,9 @@ class InverseMass:
         return self._plant.CreateDefaultContext()
 
     def evaluate(self, context: Context, positions: np.ndarray) -> np.ndarray:
-        """Computes the joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
+        """Computes Λ, joint accelerations per effort [rad/s² per N·m], shape (n, n).
 
-        Args:
-            context: A scratch context; overwritten.
-            positions: Positions of the plant, in plant order.
+        Overwrites the scratch context; ``positions`` are in plant order.
         """
         self._plant.SetPositions(context, positions)
         return np.linalg.inv(self._plant.CalcMassMatrix(context))[self._block]

@@ -30,14 +30,7 @@ def why_unsolved(
     program: QuadraticProgram,
     constraints: Sequence[Constraint],
 ) -> str:
-    """Return what is wrong with the parts of a QP, in words; empty if nothing shows.
-
-    Args:
-        terms: Model terms of the tick.
-        command: What was asked for.
-        program: That had no solution.
-        constraints: In the order of their rows in the program.
-    """
+    """Returns what is wrong with the parts of a QP in words; empty if nothing shows."""
     if not all(np.isfinite(part).all() for part in (terms.q, terms.v, terms.M)):
         return "the state of the robot is not finite"
     reasons = [
