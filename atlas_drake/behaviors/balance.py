@@ -125,7 +125,7 @@ class Balance:
         the natural frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
-        cop = self.wanted_cop(observation, reference, omega, support)
+        cop = self.desired_cop(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()
         p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
@@ -172,7 +172,7 @@ class Balance:
             tasks += (self._internal,)
         return WholeBodyCommand(posture, (left.task, right.task, *tasks), contacts)
 
-    def wanted_cop(
+    def desired_cop(
         self,
         observation: Observation,
         reference: DcmReference,
@@ -196,7 +196,9 @@ class Balance:
                 return weight
         return self._joint_weight
 
-    def pressed(self, observation: Observation, foot: int, load: float) -> FootCommand:
+    def touchdown(
+        self, observation: Observation, foot: int, load: float
+    ) -> FootCommand:
         """Commands a foot that just landed, with a load of at least ``load`` weights.
 
         The load turns the sole flat onto the ground.
@@ -206,10 +208,10 @@ class Balance:
             self._contact(foot, self._patches.middle, math.inf, load),
         )
 
-    def planted(
+    def in_contact(
         self, observation: Observation, foot: int, max_load: float = math.inf
     ) -> FootCommand:
-        """Commands a foot to stay planted, loaded by at most ``max_load`` weights.
+        """Commands a foot in contact to rest, loaded by at most ``max_load`` weights.
 
         A sole that carries little is not counted on for more than it may soon carry.
         """
@@ -227,10 +229,10 @@ class Balance:
         )
 
     def standing(self, observation: Observation) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet to stay planted."""
-        return self.planted(observation, 0), self.planted(observation, 1)
+        """Commands both feet to rest in contact."""
+        return self.in_contact(observation, 0), self.in_contact(observation, 1)
 
-    def hanging(self, observation: Observation, foot: int) -> FootCommand:
+    def unloaded(self, observation: Observation, foot: int) -> FootCommand:
         """Commands a foot in the air to come to rest."""
         return FootCommand(self._resting(observation, foot, self._swing_weight))
 

@@ -122,9 +122,9 @@ def _eased(way: float, rate: float, limit: float, easing: float, dt: float) -> f
     limit·easing/2.
     """
     rate = min(max(rate, -limit), limit)
-    wanted = min(max(way / easing, -limit), limit)
+    desired = min(max(way / easing, -limit), limit)
     change = limit * dt / easing
-    return min(max(wanted, rate - change), rate + change)
+    return min(max(desired, rate - change), rate + change)
 
 
 def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

@@ -13,9 +13,8 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
-from atlas_drake.behaviors.stand.stand import Pose, Stand
+from atlas_drake.behaviors.stand.stand import Pose, Stand, StandConfig
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import shown

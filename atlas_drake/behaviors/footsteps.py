@@ -127,7 +127,7 @@ def footstep_event(
     )
 
 
-def caught_balance(time: float, step: Footstep) -> Event:
+def recovery_event(time: float, step: Footstep) -> Event:
     """Makes the event of a recovery step at its lift-off."""
     text = f"step {step.index} ({_FEET[step.foot]}) catches the balance"
     return Event(time, "recovery", text, {"index": step.index, "foot": step.foot})

@@ -10,9 +10,8 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate
-from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate, ManipulateConfig
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.walk.config import WalkConfig

@@ -185,38 +185,32 @@ class Supervisor:
             feedback=feedback,
             events=state.events,
             event_count=state.event_count,
-            plan=self._planned("plan", Plan, state, com, omega),
+            plan=self._planned("plan", Plan(), state, com, omega),
         )
 
     def paths(
         self, state: SupervisorState, com: np.ndarray, omega: float
     ) -> PlannedPaths:
         """Returns the planned paths of the active behavior; arguments as ``status``."""
-        return self._planned("paths", PlannedPaths, state, com, omega)
+        return self._planned("paths", PlannedPaths(), state, com, omega)
 
     def _planned(
         self,
         method: str,
-        kind: type[_Planned],
+        empty: _Planned,
         state: SupervisorState,
         com: np.ndarray,
         omega: float,
     ) -> _Planned:
         """Calls ``plan`` or ``paths`` of the active behavior, if it acts."""
         active = state.active
-        if (
-            not isinstance(active, Running)
-            or active.state is None
-            or state.in_damping_mode
-        ):
-            return kind()
-        behavior = self.behaviors[active.behavior]
-        planned = getattr(behavior, method)(active.state, com, omega)
-        if not isinstance(planned, kind):
-            raise BehaviorError(
-                f"{method} of {state.current.name} must return {kind.__name__}, "
-                f"returned {shown(planned)}"
-            )
+        if not isinstance(active, Running) or state.in_damping_mode:
+            return empty
+        if active.state is None:
+            return empty
+        plan = getattr(self.behaviors[active.behavior], method)
+        planned = plan(active.state, com, omega)
+        _check_type(f"{method} of {active.behavior.name}", planned, type(empty))
         return planned
 
     # ---- transitions ---------------------------------------------------------
@@ -358,26 +352,23 @@ def _made(
     return behavior
 
 
+def _check_type(name: str, answer: object, *kinds: type) -> None:
+    """Refuses what a user's own behavior returned, if it is of another type."""
+    if not isinstance(answer, kinds):
+        raise BehaviorError(
+            f"{name} must be {' or '.join(kind.__name__ for kind in kinds)}, "
+            f"is {shown(answer)}"
+        )
+
+
 def _check_outcome(outcome: object, behavior: Behavior) -> None:
     """Raises BehaviorError unless an update returned a valid outcome."""
-    if not isinstance(outcome, Outcome):
-        raise BehaviorError(
-            f"update of {behavior.name} must return an Outcome, returned "
-            f"{shown(outcome)}"
-        )
-    for name, kind in _OUTCOME.items():
-        value = getattr(outcome, name)
-        if not isinstance(value, kind):
-            raise BehaviorError(
-                f"{name} in the Outcome of {behavior.name} must be "
-                f"{' or '.join(k.__name__ for k in kind)}, is {shown(value)}"
-            )
-    for event in outcome.events:
-        if not isinstance(event, Event):
-            raise BehaviorError(
-                f"events in the Outcome of {behavior.name} must be Event values, has "
-                f"{shown(event)}"
-            )
+    _check_type(f"the outcome of update of {behavior.name}", outcome, Outcome)
+    where = f"in the Outcome of {behavior.name}"
+    for name, kinds in _OUTCOME.items():
+        _check_type(f"{name} {where}", getattr(outcome, name), *kinds)
+    for event in outcome.events:  # type: ignore[attr-defined]
+        _check_type(f"events {where}", event, Event)
 
 
 _OUTCOME = {

@@ -29,7 +29,7 @@ def shift_to_frames(wrenches: np.ndarray, frames: Iterable[Any], context: Any) -
             shift_wrench(wrench, frame.CalcPoseInWorld(context).translation())
 
 
-LEAST_LOAD = 20.0
+MIN_LOAD = 20.0
 """Vertical force on both soles together below which there is no CoP [N]. Numerical:
 the CoP of a smaller force is noise."""
 
@@ -37,7 +37,7 @@ the CoP of a smaller force is noise."""
 def center_of_pressure(
     soles: Sequence[np.ndarray], wrenches: np.ndarray
 ) -> np.ndarray | None:
-    """Computes the CoP of both soles together in W [m], (3,); None below LEAST_LOAD.
+    """Computes the CoP of both soles together in W [m], (3,); None below MIN_LOAD.
 
     The wrenches [N·m; N], (12,), act at the soles' centers. The CoP is at the
     load-weighted mean height of the soles.
@@ -47,4 +47,4 @@ def center_of_pressure(
         load = wrench[5]
         total += load
         moment += load * sole + np.array([-wrench[1], wrench[0], 0.0])
-    return moment / total if total > LEAST_LOAD else None
+    return moment / total if total > MIN_LOAD else None

@@ -72,19 +72,19 @@ class Gait:
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
     stance_width: float = field(default=STANCE_WIDTH, repr=False)
 
-    def nearest(self, **wanted: float) -> Gait:
+    def nearest(self, **desired: float) -> Gait:
         """Returns the feasible gait nearest to values that may be beyond the limits.
 
         Args:
-            **wanted: Values of stride, turn, duration and swing_height that differ from
+            **desired: Values of stride, turn, duration and swing_height other than
                 this gait's.
         """
         limits = self.limits
-        turn = clip(wanted.get("turn", self.turn), 0.01, limits.toe_in)
+        turn = clip(desired.get("turn", self.turn), 0.01, limits.toe_in)
         # The longest stride depends on the turn, and the longest duration on both.
         turning = replace(self, stride=0.01, turn=turn, duration=limits.duration.least)
         values: dict[str, Any] = {
-            name: clip(wanted.get(name, getattr(self, name)), low, high)
+            name: clip(desired.get(name, getattr(self, name)), low, high)
             for name, low, high in turning.bounds()
         }
         quickest = replace(turning, **{**values, "duration": limits.duration.least})

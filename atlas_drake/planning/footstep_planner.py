@@ -10,7 +10,7 @@ With ``speed`` stride and duration follow from it (``Gait.at_speed``). Strides g
 shrink by at most ``Gait.stride_change`` from step to step: the speed is that between
 the first and the last steps.
 
-Each raises ``ValueError`` if a number is beyond FARTHEST or MOST_TURN or none, the
+Each raises ``ValueError`` if a number is beyond MAX_DISTANCE or MAX_TURN or none, the
 report has no place for a foot, or the feet are not on one level. The constants are
 bounds of what is sensible and tolerances; the settings are in ``Gait``.
 """
@@ -44,9 +44,9 @@ walks without turning first, also backward and sideways [m]."""
 CLOSING = 0.02
 """Greatest decrease of the distance between the feet from the side-by-side stance
 [m]."""
-FARTHEST = 1000.0
+MAX_DISTANCE = 1000.0
 """Longest distance of a plan, ahead or along each axis of the world [m]."""
-MOST_TURN = 1000.0
+MAX_TURN = 1000.0
 """Largest angle of a plan [rad]."""
 WORLD = 1e6
 """Greatest distance of the feet from the world's origin [m]."""
@@ -72,7 +72,7 @@ def steps_ahead(
         gait: Gait of the walk.
         speed: Speed of the walk [m/s]; None for the gait's.
     """
-    _check_range("distance", distance, FARTHEST)
+    _check_range("distance", distance, MAX_DISTANCE)
     return steps_along_arc(report, distance, 0.0, gait, speed)
 
 
@@ -114,8 +114,8 @@ def steps_along_arc(
             most that it can makes the walk slower.
     """
     gait = _gait_at(gait, speed, backward=length < 0.0)
-    _check_range("length", length, FARTHEST)
-    _check_range("angle", angle, MOST_TURN)
+    _check_range("length", length, MAX_DISTANCE)
+    _check_range("angle", angle, MAX_TURN)
     return _steps(report, _arc(_middle(report), length, angle, gait), gait)
 
 
@@ -131,7 +131,7 @@ def steps_to(
 
     Args:
         report: Latest report.
-        x: Goal of the middle between the feet in W [m], within FARTHEST of the robot.
+        x: Goal of the middle between the feet in W [m], within MAX_DISTANCE.
         y: Likewise [m].
         yaw: Heading of the robot at the goal [rad].
         gait: Gait of the walk.
@@ -139,9 +139,9 @@ def steps_to(
     """
     gait = _gait_at(gait, speed)
     here = _middle(report)
-    _check_range("x", x, FARTHEST, here.x)
-    _check_range("y", y, FARTHEST, here.y)
-    _check_range("yaw", yaw, MOST_TURN)
+    _check_range("x", x, MAX_DISTANCE, here.x)
+    _check_range("y", y, MAX_DISTANCE, here.y)
+    _check_range("yaw", yaw, MAX_TURN)
     goal = Foothold(x, y, yaw)
     dx, dy = x - here.x, y - here.y
     distance = math.hypot(dx, dy)

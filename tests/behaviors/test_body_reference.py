@@ -138,7 +138,7 @@ def test_the_reference_reaches_its_target_and_stays(captured, target, nobody):
     assert body.height == pytest.approx(target.height)
     assert wrap_angle(body.yaw - target.yaw) == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(body.joints, target.joints)
-    # Pelvis and chest both go to the tilt wanted of the pelvis.
+    # Pelvis and chest both go to the tilt desired of the pelvis.
     np.testing.assert_allclose(body.pelvis_tilt, target.pelvis_tilt)
     np.testing.assert_allclose(body.chest_tilt, target.pelvis_tilt)
     after = advance(body, target, nobody)

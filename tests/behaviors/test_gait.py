@@ -8,7 +8,7 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Behavior
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.config import GaitTiming, WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
     landing_sensitivity,
@@ -17,7 +17,6 @@ from atlas_drake.behaviors.walk.gait import (
 )
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.behaviors.walk.planner import WalkPlanner
-from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains

@@ -8,8 +8,7 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate, ManipulateConfig
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages import Behavior, BehaviorStatus
 

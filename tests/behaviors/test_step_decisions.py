@@ -210,7 +210,7 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     least = RULES.settling_load * balance.weight
     assert feet[pressed].min_normal_force == pytest.approx(least)
     assert feet[1 - pressed].min_normal_force == 0.0
-    # The CoP is wanted at the outer edge of the other foot: no load on this one.
+    # The CoP is desired at the outer edge of the other foot: no load on this one.
     away = seen.terms.feet[pressed].p_WF[:2] - here
     settling = standing_still_at(state, here + away)
     feet = commanded(step, settling, seen)
@@ -368,8 +368,8 @@ def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
     state = entered(step, observe(), request())
     state = raised(state, 1 - foot, 0.05)
     progress = replace(state.progress, request=request(foot=foot))
-    wanted = step._beginning.requested(replace(state, progress=progress))
-    assert wanted.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
+    desired = step._beginning.requested(replace(state, progress=progress))
+    assert desired.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -480,7 +480,9 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
     assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
     # Its contact moves to the toes while the heel is up.
     whole, toes = (
-        commanded(step, replace(state, elapsed=time, fresh=None), observe())[LEFT]
+        commanded(step, replace(state, elapsed=time, touchdown_foot=None), observe())[
+            LEFT
+        ]
         for time in (0.0, 0.9 * end)
     )
     assert whole.patch.corners[:, 0].min() < -0.05

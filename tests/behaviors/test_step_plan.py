@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance, StanceConfig
-from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
+from atlas_drake.behaviors.step.config import PostureRules
+from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
 from atlas_drake.control.feet.sole import on_toes
@@ -46,17 +47,17 @@ def step_of(feet, foot, ahead=0.0, aside=HALF_WIDTH, rise=0.0, **action):
 def test_a_step_on_the_spot_is_planned_as_it_was_sent(planner, seen):
     terms, feet = seen
     for foot in (LEFT, RIGHT):
-        wanted = step_of(feet, foot, knee_nominal=0.9)
-        plan = planner.plan(terms, feet, wanted)
-        np.testing.assert_allclose(plan.taken.p_WF, wanted.p_WF, atol=1e-9)
+        desired = step_of(feet, foot, knee_nominal=0.9)
+        plan = planner.plan(terms, feet, desired)
+        np.testing.assert_allclose(plan.taken.p_WF, desired.p_WF, atol=1e-9)
         assert (plan.lean, plan.heel) == (0.0, 0.0)
         stance = feet[1 - foot]
         height = plan.height - stance.p_WF[2]
-        assert height == pytest.approx(planner.height(wanted.action))
+        assert height == pytest.approx(planner.height(desired.action))
         # Over the stance foot, a little to the inside.
         inside = (plan.com - stance.p_WF[:2]) * [1.0, outward(foot)]
         np.testing.assert_allclose(
-            inside, [0.0, wanted.action.sway_end_dist], atol=1e-3
+            inside, [0.0, desired.action.sway_end_dist], atol=1e-3
         )
         assert plan.ceiling > stance.p_WF[2] + 0.1
 
@@ -81,17 +82,19 @@ def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
     feet[foot] = FootPose(p_WF, feet[foot].R_WF)
 
     def plan(setting):
-        wanted = step_of(seen[1], foot, toe_off=setting)
-        return planner._posture(terms, feet, wanted, 0.0), wanted
+        desired = step_of(seen[1], foot, toe_off=setting)
+        return planner._posture(terms, feet, desired, 0.0), desired
 
-    flat, wanted = plan(ToeOff.DISABLE)
+    flat, desired = plan(ToeOff.DISABLE)
     free, _ = plan(ToeOff.ENABLE)
     forced, _ = plan(ToeOff.FORCE_ENABLE)
     assert flat.heel == 0.0
     assert (free.heel > 0.0) == (behind > 0.1)
     assert forced.heel == max(free.heel, RULES.forced_heel)
     # A flat foot holds the body down, unless it is held down by the landing.
-    assert flat.height <= free.height <= planner.height(wanted.action) + feet[0].p_WF[2]
+    assert (
+        flat.height <= free.height <= planner.height(desired.action) + feet[0].p_WF[2]
+    )
 
     def highest(heel):
         pose = on_toes(feet[foot], heel, planner.half_length)

@@ -255,10 +255,10 @@ def test_freeze_holds_the_joints_where_they_are(make, observe):
     robot = make(STAND)
     robot.ask(FREEZE)
     robot.tick(observe(joints={WRIST: 1.0}))
-    wanted = robot.command.posture.target
+    desired = robot.command.posture.target
     moving = WRIST_INDEX
-    assert wanted[moving] < 0.0
-    np.testing.assert_array_equal(np.delete(wanted, moving), np.zeros(27))
+    assert desired[moving] < 0.0
+    np.testing.assert_array_equal(np.delete(desired, moving), np.zeros(27))
 
 
 def test_freeze_stands_before_any_force_was_measured(make, observe):

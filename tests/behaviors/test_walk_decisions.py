@@ -10,10 +10,14 @@ from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
-from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.config import WalkConfig, WalkRules
 from atlas_drake.behaviors.walk.gait import stance_cop
-from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
-from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
+    Transfer,
+    WalkSwing,
+)
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import outward
@@ -69,7 +73,7 @@ def test_a_step_too_high_from_the_feet_at_lift_off_ends_the_walk(
     if height == 0.0:
         assert isinstance(outcome.state, WalkSwing)
         return
-    assert isinstance(outcome.state, WalkSettle)
+    assert isinstance(outcome.state, FinalTransfer)
     assert outcome.state.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
@@ -252,7 +256,7 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
 ):
     seen = observe()
     begun = shifting(walk, seen, as_request(walk_message()), 0.0)
-    settle = walk._planner.settle(begun.progress, begun.planned.cop)
+    settle = walk._planner.final_transfer(begun.progress, begun.planned.cop)
     end = settle.duration + walk._timing.rest
     for late, speed, over in (
         (0.01, 0.9 * RULES.rest_speed, True),
@@ -320,9 +324,13 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
 def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
     timing, swing = walk._timing, swinging(LEFT, 0.1)
     single, double = timing.swing(0.63), timing.transfer(0.63)
-    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    begun = walk._planner.initial_transfer(
+        swing.progress, swing.planned.dcm, swing.planned.cop
+    )
     landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
-    over = walk._planner.settle(replace(swing.progress, pending=()), swing.planned.cop)
+    over = walk._planner.final_transfer(
+        replace(swing.progress, pending=()), swing.planned.cop
+    )
     for phase, duration in (
         (begun, timing.first_shift + single + timing.settle),
         (swing, single + double + single + timing.settle),
@@ -334,12 +342,12 @@ def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
 
 def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
     going, seen = swinging(LEFT, 0.1), observe()
-    settle = walk._planner.settle(going.progress, going.planned.cop)
+    settle = walk._planner.final_transfer(going.progress, going.planned.cop)
     _, feet = walk._control(settle).command_feet(settle, seen)
     soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
     assert [foot.contact.frame for foot in feet] == soles
     again, _ = walk._control(settle).advance(settle, seen, False)
-    assert isinstance(again, WalkShift)
+    assert isinstance(again, InitialTransfer)
     assert again.unloading == RIGHT
     np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
     blocked = replace(settle, obstacle="step 2 leads up")
@@ -365,9 +373,11 @@ def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
     # A foot in the air lands first; with both feet down the robot settles.
     assert isinstance(leave(swing), WalkSwing)
     landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
-    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    begun = walk._planner.initial_transfer(
+        swing.progress, swing.planned.dcm, swing.planned.cop
+    )
     for phase in (landed, begun):
-        assert isinstance(leave(phase), WalkSettle)
+        assert isinstance(leave(phase), FinalTransfer)
 
 
 def test_steps_of_a_message_end_the_demonstration(walk, observe, walk_message):

@@ -12,11 +12,12 @@ from atlas_drake.behaviors.footsteps import (
     landed_elsewhere,
     out_of_reach,
 )
+from atlas_drake.behaviors.walk.config import GaitTiming
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkProgress,
-    WalkSettle,
-    WalkShift,
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.steps import (
@@ -25,7 +26,6 @@ from atlas_drake.behaviors.walk.steps import (
     subject,
     warnings_about,
 )
-from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
@@ -264,7 +264,7 @@ def in_phase():
 def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     steps = [step(1, duration=0.8), step(2, duration=1.0)]
     swing = TIMING.swing(steps[0].duration)
-    shift = in_phase(WalkShift, duration=0.8, elapsed=0.3, unloading=LEFT)
+    shift = in_phase(InitialTransfer, duration=0.8, elapsed=0.3, unloading=LEFT)
     assert shift.time_to_touchdown(steps, TIMING) == pytest.approx(0.5 + swing)
     assert shift.time_to_touchdown((), TIMING) == 0.0
     # At the end of a transfer as at the beginning of the swing.
@@ -284,5 +284,5 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     late = dataclasses.replace(lifted, elapsed=swing + 0.1)
     assert late.time_to_touchdown(steps, TIMING) == 0.0
-    settling = in_phase(WalkSettle, duration=0.8, obstacle="")
+    settling = in_phase(FinalTransfer, duration=0.8, obstacle="")
     assert settling.time_to_touchdown(steps, TIMING) == 0.0

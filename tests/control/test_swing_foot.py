@@ -136,10 +136,10 @@ def test_rises_before_it_goes_ahead(start, target):
 def test_a_hastened_swing_lands_sooner_and_goes_on_where_it_is(start, target, at):
     swing, references = swing_through(start, lambda _: target, at)
     sooner = 0.4 * swing.remaining
-    hastened = swing.hastened(sooner)
+    hastened = swing.landing_sooner(sooner)
     assert hastened.remaining == pytest.approx(swing.remaining - sooner)
     assert hastened.progress == pytest.approx(swing.progress)
-    assert swing.hastened(0.0) is swing
+    assert swing.landing_sooner(0.0) is swing
     _, following = advance_swing(hastened, target, PROFILE, DT)
     last = references[-1]
     reached = np.abs(last.v_WF).max() / 0.6 * DT + 1e-3

@@ -44,10 +44,10 @@ def test_height_acceleration(terms):
 
 def test_orientation_acceleration_turns_towards_the_target():
     w = np.array([0.1, -0.2, 0.3])
-    now, wanted = rotation_z(0.5), rotation_z(0.6)
+    now, desired = rotation_z(0.5), rotation_z(0.6)
     still = orientation_acceleration(now, w, now, w, GAINS)
     np.testing.assert_allclose(still, 0.0, atol=1e-15)
-    towards = orientation_acceleration(wanted, w, now, w, GAINS)
+    towards = orientation_acceleration(desired, w, now, w, GAINS)
     np.testing.assert_allclose(towards, [0.0, 0.0, 50.0 * math.sin(0.1)], atol=1e-12)
     braked = orientation_acceleration(now, 0.0 * w, now, w, GAINS)
     np.testing.assert_allclose(braked, -8.0 * w, atol=1e-12)

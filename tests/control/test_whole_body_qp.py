@@ -376,8 +376,8 @@ def test_pressure_keeps_to_its_part_of_the_sole(
     )
     # Ahead and aside, so that the pressure runs to where it may.
     for acceleration in ([1.0, 0.5, 0.0], [-1.0, -0.5, 0.0]):
-        wanted = with_target(command, ComTask, target=np.array(acceleration))
-        solution = qp.solve(standing, wanted, bounds)
+        desired = with_target(command, ComTask, target=np.array(acceleration))
+        solution = qp.solve(standing, desired, bounds)
         assert solution.found
         moment = standing.feet[0].R_WF.T @ wrenches_on(robot, solution)[0, :3]
         force = standing.feet[0].R_WF.T @ wrenches_on(robot, solution)[0, 3:]

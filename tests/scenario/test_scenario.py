@@ -14,7 +14,7 @@ from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.behaviors.walk.config import WalkRules
 from atlas_drake.campaigns import load_campaign
 from atlas_drake.config import as_plain
 from atlas_drake.control.gains import PdGains

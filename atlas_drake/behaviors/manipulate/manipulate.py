@@ -7,25 +7,28 @@ can stand. Trunk and pelvis turn as one; arms and neck keep their positions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.pelvis.pelvis_pose import (
+    PelvisLead,
     PelvisMotion,
     PelvisPose,
+    PelvisRange,
+    PelvisRates,
     Stance,
     at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorManipulateFeedback,
@@ -34,6 +37,28 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.rotations import tilt_of
+
+
+@dataclass(frozen=True)
+class ManipulateConfig(Configuration):
+    """Parameters of MANIPULATE."""
+
+    range: PelvisRange = field(default_factory=PelvisRange)
+    """Range of pelvis poses."""
+    reserves: PelvisReserves = field(default_factory=PelvisReserves)
+    """Reserves for balance, which limit the pelvis poses further."""
+    rates: PelvisRates = field(default_factory=PelvisRates)
+    """Speed and acceleration of pelvis and CoM."""
+    lead: PelvisLead = field(default_factory=PelvisLead)
+    """Largest lead of the reference over a robot that does not follow."""
+    foot_slip: NotNegative = 0.002
+    """Re-latch the pose of a sole that slipped farther than this [m]. Small, because
+    all poses are relative to the soles."""
+    arms_moved: NotNegative = 0.01
+    """Clamp the requested pose again when the CoM of trunk and arms has moved this far
+    in the pelvis frame, for example when the user's arms reach out [m]."""
+    home: NotNegative = 0.002
+    """Hand over to STAND when the reference is this near to STAND's pose [m], [rad]."""
 
 
 @dataclass(frozen=True)

@@ -32,11 +32,11 @@ LEAST = {
     "knee_nominal": 0.3,
 }
 """A value below this is ignored [s], [m], [m], [rad]; all others below or at 0 are."""
-LARGEST_END_DISTANCE = 0.05
+MAX_END_DISTANCE = 0.05
 """End distances beyond this are ignored [m]."""
 
 
-LARGEST_ACTION = StepAction(
+MAX_ACTION = StepAction(
     step_duration=20.0,
     sway_duration=20.0,
     swing_height=0.20,
@@ -54,12 +54,12 @@ distances."""
 def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
     """Returns the message's values, with ``default`` where a threshold ignores them."""
     bounded = {}
-    for name, largest in vars(LARGEST_ACTION).items():
+    for name, largest in vars(MAX_ACTION).items():
         if name == "toe_off":
             continue
         value = getattr(sent, name)
         if name in ("sway_end_dist", "step_end_dist"):
-            counts = abs(value) <= LARGEST_END_DISTANCE
+            counts = abs(value) <= MAX_END_DISTANCE
         else:
             counts = value > 0.0 and value >= LEAST.get(name, 0.0)
         value = value if counts else getattr(default, name)
@@ -140,8 +140,8 @@ def _from_data(
     arc = step.swing_height - rise - default.lift_height
     action = replace(
         default,
-        step_duration=min(step.duration, LARGEST_ACTION.step_duration),
-        swing_height=min(max(arc, default.swing_height), LARGEST_ACTION.swing_height),
+        step_duration=min(step.duration, MAX_ACTION.step_duration),
+        swing_height=min(max(arc, default.swing_height), MAX_ACTION.swing_height),
     )
     return replace(step, action=action)
 

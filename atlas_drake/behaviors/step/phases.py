@@ -84,7 +84,7 @@ class Rest(StepPhase):
     """Both feet are down; the weight shifts to between them and stays there."""
 
     last: Footstep | None = None  # The last step; None before the first step
-    fresh: int | None = None  # Foot that just landed, if any
+    touchdown_foot: int | None = None  # Foot that just landed, if any
     gave_up: bool = False  # True if the last weight shift was abandoned
 
     @property
@@ -117,7 +117,7 @@ class StepShift(Stepping):
     """Both feet are down; the weight shifts over the stance foot."""
 
     heel: float  # Angle by which the leaving foot's heel has risen at lift-off [rad]
-    fresh: int | None  # Foot that just landed, if any
+    touchdown_foot: int | None  # Foot that just landed, if any
 
     def heel_motion(self, begins_share: float) -> tuple[float, float, float]:
         """Evaluates the angle of the leaving foot's heel with its derivatives [rad]."""

@@ -49,7 +49,7 @@ class InAirControl(StepPhaseControl[P]):
         foot, swing = phase.step.foot, phase.swing
         reference = swing.evaluate(phase.elapsed)
         command = self._balance.balance.swinging(observation, foot, reference)
-        return phase, self._balance.planted(observation, foot, command)
+        return phase, self._balance.with_stance(observation, foot, command)
 
     def are_both_flat(self, phase: P) -> bool:
         """Returns False: one foot is in the air."""

@@ -17,11 +17,11 @@ from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import step_data_from
 from atlas_drake.behaviors.step.action import step_spec_from
-from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import (
     RestControl,
     SettleControl,
     ShiftControl,
+    StepBeginning,
 )
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.phases import (

@@ -116,7 +116,7 @@ class StepBalance:
             chest_tilt=tilt,
         )
 
-    def is_fresh(self, phase: StepPhase) -> bool:
+    def is_early(self, phase: StepPhase) -> bool:
         """Returns True in the first part of the weight shift."""
         return phase.shift_time / phase.shift.duration < self.rules.fresh_share
 
@@ -131,14 +131,14 @@ class StepBalance:
             balance.toes(other) if on_toes else balance.support(other),
         )
 
-    def planted(
+    def with_stance(
         self, observation: Observation, foot: int, command: FootCommand
     ) -> tuple[FootCommand, FootCommand]:
         """Commands ``foot``, and the other foot to stay planted."""
-        other = self.balance.planted(observation, 1 - foot)
+        other = self.balance.in_contact(observation, 1 - foot)
         return (command, other) if foot == 0 else (other, command)
 
-    def pressed(
+    def touchdown(
         self,
         phase: StepPhase,
         observation: Observation,
@@ -149,8 +149,8 @@ class StepBalance:
         """Commands ``foot`` to be pressed flat, within the load that balance allows."""
         most = self.load_range(phase, foot, cop, on_toes)[1]
         load = min(self.rules.settling_load, most)
-        pressed = self.balance.pressed(observation, foot, load)
-        return self.planted(observation, foot, pressed)
+        command = self.balance.touchdown(observation, foot, load)
+        return self.with_stance(observation, foot, command)
 
 
 P = TypeVar("P", bound=StepPhase)
@@ -181,7 +181,7 @@ class StepPhaseControl(PhaseControl[P]):
         """Computes the desired CoP in W [m], shape (2,)."""
         reference, omega = self.reference(phase, observation)
         support = self.support(phase)
-        return self._balance.balance.wanted_cop(observation, reference, omega, support)
+        return self._balance.balance.desired_cop(observation, reference, omega, support)
 
     def support(self, phase: P) -> SupportPolygon:
         """Returns the present region of the CoP."""

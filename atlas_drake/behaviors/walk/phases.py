@@ -14,7 +14,7 @@ import numpy as np
 
 from atlas_drake.behaviors.footsteps import next_runs
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
-from atlas_drake.behaviors.walk.timing import GaitTiming
+from atlas_drake.behaviors.walk.config import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.frozen import replace
@@ -36,12 +36,12 @@ class WalkProgress:
     last_foot: int | None = None  # Foot of the step begun last; None before the first
     last_index: int = 0  # Index of the step begun last; 0 before the first step
     warned: frozenset[tuple[int, str]] = frozenset()  # Step and topic of each warning
-    own_index: int = 0  # Index of the last recovery or square-up step; 0 at first
+    recovery_index: int = 0  # Index of the last recovery or square-up step; 0 at first
 
     @property
-    def last_was_own(self) -> bool:
+    def last_was_recovery(self) -> bool:
         """True if the step begun last was not commanded."""
-        return 0 < self.last_index == self.own_index
+        return 0 < self.last_index == self.recovery_index
 
     @property
     def known(self) -> tuple[Footstep, ...]:
@@ -106,9 +106,9 @@ class WalkPhase(Phase):
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off."""
+    """Common part of ``InitialTransfer`` and ``Transfer``, which end with lift-off."""
 
-    hurried: bool = False  # Lift-off was brought forward to save the balance
+    brought_forward: bool = False  # Lift-off was brought forward to save the balance
 
     @property
     def waiting(self) -> bool:
@@ -122,7 +122,7 @@ class BothFeet(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WalkShift(BothFeet):
+class InitialTransfer(BothFeet):
     """The weight shifts over the first stance foot."""
 
     unloading: int | None  # Foot that lifts off; None if no step was known
@@ -165,7 +165,7 @@ class WalkSwing(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WalkSettle(WalkPhase):
+class FinalTransfer(WalkPhase):
     """The robot comes to rest over both feet."""
 
     obstacle: str  # Why the walk ends before a commanded step; empty if all are taken
@@ -187,5 +187,5 @@ class WalkSettle(WalkPhase):
         return WalkStatus.SUBSTATE_CATCHING | why
 
 
-WalkState = WalkShift | WalkSwing | Transfer | WalkSettle
+WalkState = InitialTransfer | WalkSwing | Transfer | FinalTransfer
 """The state of a walk: one of its phases."""

@@ -13,21 +13,22 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footsteps import caught_balance
-from atlas_drake.behaviors.walk.capture import capture_step, closing_step
+from atlas_drake.behaviors.footsteps import recovery_event
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
+    capture_step,
     landing_sensitivity,
     plan_walk,
+    square_up_step,
     stance_cop,
 )
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkPhase,
     WalkProgress,
-    WalkSettle,
-    WalkShift,
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.steps import (
@@ -98,15 +99,15 @@ class WalkPlanner:
 
     # ---- phases --------------------------------------------------------------
 
-    def shift(
+    def initial_transfer(
         self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray
-    ) -> WalkShift:
+    ) -> InitialTransfer:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
         support = self._balance.support(*progress.feet)
         duration = self._timing.first_shift
         coming = self.coming(progress)
         plan = self._plan(progress, coming, cop, duration)
-        return WalkShift(
+        return InitialTransfer(
             progress=progress,
             plan=begun_at(plan, dcm, support),
             support=support,
@@ -114,7 +115,7 @@ class WalkPlanner:
             unloading=coming[0].foot if coming else None,
         )
 
-    def catch(
+    def recover(
         self, progress: WalkProgress, observation: Observation
     ) -> tuple[WalkSwing, tuple[Event, ...]]:
         """Makes the swing of a step that catches a DCM outside the feet."""
@@ -135,17 +136,17 @@ class WalkPlanner:
             aimed=feet,
             pending=_before_later_ones(step, progress),
             last_foot=None,
-            own_index=step.index,
+            recovery_index=step.index,
         )
         swing = self.swing(begun, 0.0)
-        return swing, (caught_balance(observation.time, swing.step),)
+        return swing, (recovery_event(observation.time, swing.step),)
 
-    def closing(self, progress: WalkProgress) -> WalkProgress | None:
+    def square_up(self, progress: WalkProgress) -> WalkProgress | None:
         """Adds a square-up step after a recovery step; None if none is needed."""
-        if not progress.last_was_own or progress.last_foot is None:
+        if not progress.last_was_recovery or progress.last_foot is None:
             return None
         foot = 1 - progress.last_foot
-        step = closing_step(
+        step = square_up_step(
             progress.next_index,
             foot,
             progress.feet[progress.last_foot],
@@ -156,7 +157,7 @@ class WalkPlanner:
         if landing_error(step, progress.feet[foot]) < self._feet_apart:
             return None
         pending = _before_later_ones(step, progress)
-        return replace(progress, pending=pending, own_index=step.index)
+        return replace(progress, pending=pending, recovery_index=step.index)
 
     def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
         """Makes the swing of the next step, shortened by ``late`` [s]."""
@@ -205,16 +206,16 @@ class WalkPlanner:
             step=step,
             plan=self._plan(progress, coming, cop, duration, swinging=True),
             duration=duration,
-            motion=phase.motion.hastened(sooner),
+            motion=phase.motion.landing_sooner(sooner),
         )
 
     def land(
         self, progress: WalkProgress, cop: np.ndarray, early: float
-    ) -> Transfer | WalkSettle:
+    ) -> Transfer | FinalTransfer:
         """Makes the phase after a touchdown ``early`` by [s]: transfer or settling."""
         coming = self.coming(progress)
         if not coming:
-            return self.settle(progress, cop)
+            return self.final_transfer(progress, cop)
         # The next touchdown is planned one step duration after this planned touchdown.
         duration = self._timing.transfer(coming[0].duration)
         change = self._transfer_change * duration
@@ -227,11 +228,11 @@ class WalkPlanner:
             unloading=coming[0].foot,
         )
 
-    def settle(self, progress: WalkProgress, cop: np.ndarray) -> WalkSettle:
+    def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
         step_preview = self.step_preview(progress)
         duration = self._timing.settle
-        return WalkSettle(
+        return FinalTransfer(
             progress=progress,
             plan=self._plan(progress, step_preview.steps, cop, duration),
             support=self._balance.support(*progress.feet),

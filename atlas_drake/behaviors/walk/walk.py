@@ -27,10 +27,10 @@ from atlas_drake.behaviors.walk.both_feet import (
 )
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkProgress,
-    WalkSettle,
-    WalkShift,
     WalkState,
     WalkSwing,
 )
@@ -68,15 +68,15 @@ class Walk(BehaviorProtocol):
         double_support = DoubleSupport(balance, self._planner, config.rules)
         self._settling = Settling(balance, self._planner, config)
         self._controls: dict[type[WalkState], PhaseControl[Any]] = {
-            WalkShift: double_support,
+            InitialTransfer: double_support,
             WalkSwing: SingleSupport(balance, self._planner, config),
             Transfer: double_support,
-            WalkSettle: self._settling,
+            FinalTransfer: self._settling,
         }
 
     def enter(
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
-    ) -> WalkShift:
+    ) -> InitialTransfer:
         """Begins to shift the weight to the first stance foot."""
         feet = observation.foot_poses
         params = request.command.walk_params
@@ -84,7 +84,7 @@ class Walk(BehaviorProtocol):
         first = pending[0].index if pending else 1
         progress = WalkProgress(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
-        return self._planner.shift(
+        return self._planner.initial_transfer(
             progress, dcm, self._balance.support(*feet).clamp(dcm)
         )
 
@@ -129,7 +129,7 @@ class Walk(BehaviorProtocol):
         )
         finished = False
         left: tuple[Event, ...] = ()
-        if isinstance(phase, WalkSettle):
+        if isinstance(phase, FinalTransfer):
             finished = self._settling.is_over(phase, observation)
             if finished:
                 left = steps_left_out(phase, observation.time, leaving)
@@ -172,8 +172,8 @@ class Walk(BehaviorProtocol):
     def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, progress=replace(phase.progress, pending=()))
-        if isinstance(phase, WalkShift | Transfer):
-            return self._planner.settle(phase.progress, phase.planned.cop)
+        if isinstance(phase, InitialTransfer | Transfer):
+            return self._planner.final_transfer(phase.progress, phase.planned.cop)
         return phase
 
     def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:

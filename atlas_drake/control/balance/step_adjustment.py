@@ -148,10 +148,10 @@ def touchdown_for_balance(
         )
         if not shift.any():
             return step, 0.0, 0.0
-        wanted = step.p_WF + np.append(shift, 0.0)
-        moved = saturate(replace(step, p_WF=wanted), state.stance, limits)
+        desired = step.p_WF + np.append(shift, 0.0)
+        moved = saturate(replace(step, p_WF=desired), state.stance, limits)
         moved = within_reach(moved, state.stance, adjustment.reach)
-        missing = float(np.hypot(*(wanted - moved.p_WF)[:2]))
+        missing = float(np.hypot(*(desired - moved.p_WF)[:2]))
         return moved, missing, float(np.hypot(*shift))
 
     planned = state.remaining

@@ -73,7 +73,7 @@ def sway_duration(distance: float, max_acceleration: float) -> float:
 def plan_weight_shift(
     dcm: np.ndarray,
     end: np.ndarray,
-    least_duration: float,
+    min_duration: float,
     support: SupportPolygon,
     inside: float,
     omega: float,
@@ -86,11 +86,11 @@ def plan_weight_shift(
     times ``inside`` within the support, the way to ``end`` is searched in steps of a
     tenth, and the weight shift starts at the first point that is far enough inside; the
     reference of the DCM then jumps. The CoP stays ``inside`` [m] the support, unless
-    the longest duration tried, 8.1 times ``least_duration``, is too short.
+    the longest duration tried, 8.1 times ``min_duration``, is too short.
     """
     start = _pulled_inside(dcm, end, support, START_INSIDE * inside)
     for attempt in range(TRIES):
-        sway = WeightShift(start, end, least_duration * LONGER**attempt)
+        sway = WeightShift(start, end, min_duration * LONGER**attempt)
         if sway.cop_outside(support, omega) <= -inside:
             break
     return sway

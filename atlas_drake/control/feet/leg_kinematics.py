@@ -77,7 +77,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     )
 
 
-DEEPEST_SQUAT = 0.40
+MAX_SQUAT = 0.40
 """Range below the highest position in which the lowest is searched [m]. Numerical, like
 HALVINGS: the range and the resolution of a search."""
 HALVINGS = 9
@@ -150,7 +150,7 @@ def lowest_com(
     ``lever`` is the greatest distance of the knee ahead of the center of mass [m].
     """
     high = highest_com(legs, hips, com, [(foot, pose)])
-    low = high - DEEPEST_SQUAT
+    low = high - MAX_SQUAT
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if _knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:

@@ -95,8 +95,8 @@ class StepLimits(Configuration):
                 )
         shortest, longest = self.duration
         if not shortest <= self.far_duration <= longest:
-            wanted = f"must be within duration ({shortest:g} to {longest:g})"
-            raise ScenarioError.about("far_duration", self.far_duration, wanted)
+            desired = f"must be within duration ({shortest:g} to {longest:g})"
+            raise ScenarioError.about("far_duration", self.far_duration, desired)
         if self.far <= self.near:
             raise ScenarioError.about(
                 "far", self.far, f"must be more than near ({self.near:g})"

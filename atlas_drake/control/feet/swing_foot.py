@@ -90,7 +90,7 @@ class FootSwing:
         """Share of the swing that has passed, 0 to 1."""
         return min(self.elapsed / self.duration, 1.0)
 
-    def hastened(self, sooner: float) -> FootSwing:
+    def landing_sooner(self, sooner: float) -> FootSwing:
         """Returns the swing at the same point of its path, landing ``sooner`` [s]."""
         if sooner == 0.0:
             return self

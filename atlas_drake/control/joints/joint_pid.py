@@ -91,7 +91,7 @@ PROMPT_STIFFNESS = 0.5
 inertia I [-]. A joint as light as in the model diverges from 1 on, one lighter by 15 %
 from 0.6 on."""
 
-MOST_CHANGE = 10.0
+MAX_CHANGE = 10.0
 """Largest change of a joint's static effort in a step that may act without that delay,
 over the one that its own motion causes [-]. A set-point that is sent every few steps
 moves in jumps of several; one that jumps while the joint rests is answered with
@@ -177,7 +177,7 @@ def change_without_user(
         model: Model from ``step_model``.
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
-    most = MOST_CHANGE * model.stiffness * np.abs(v)
+    most = MAX_CHANGE * model.stiffness * np.abs(v)
     balanced = np.minimum(np.maximum(static - state.static, -most), most)
     return change + model.response @ (others - state.applied - model.prompt * balanced)
 
@@ -248,12 +248,12 @@ def _saturated(
     share, response = model.share, model.response
     idle = coasting - response @ others
     damping = share * model.damping
-    wanted = share * static + others
-    total = np.clip(wanted - damping * coasting, -effort_limit, effort_limit)
+    desired = share * static + others
+    total = np.clip(desired - damping * coasting, -effort_limit, effort_limit)
     damped = np.flatnonzero(damping > LIGHT_DAMPING)
     total[damped] = 0.0
     total[damped] = _saturated_damped(
-        wanted[damped],
+        desired[damped],
         (idle + response @ total)[damped],
         damping[damped],
         response[np.ix_(damped, damped)],
@@ -268,7 +268,7 @@ def _saturated(
 
 
 def _saturated_damped(
-    wanted: np.ndarray,
+    desired: np.ndarray,
     idle: np.ndarray,
     damping: np.ndarray,
     response: np.ndarray,
@@ -281,14 +281,14 @@ def _saturated_damped(
     # Efforts beyond all that the damping can compensate are equivalent; a smaller one
     # keeps the solver accurate.
     beyond = limit + damping * (np.abs(idle) + np.abs(response) @ limit + 1.0)
-    wanted = np.clip(wanted, -beyond, beyond)
+    desired = np.clip(desired, -beyond, beyond)
     # In units in which the Hessian's diagonal is 1.
     unit = 1.0 / np.sqrt(1.0 / damping + response.diagonal())
     H = unit[:, None] * response * unit
     H.reshape(-1)[:: len(unit) + 1] = 1.0
     program = QuadraticProgram(
         H=H,
-        f=unit * (idle - wanted / damping),
+        f=unit * (idle - desired / damping),
         A=np.zeros((0, len(unit))),
         lower=-limit / unit,
         upper=limit / unit,

@@ -63,8 +63,8 @@ class Motion:
     def towards(self, goal: np.ndarray, limits: MotionLimits, dt: float) -> Motion:
         """Advances by ``dt`` [s]; from rest the path to ``goal`` is a straight line."""
         w = limits.rate
-        wanted = w * w * (goal - self.position) - 2.0 * w * self.velocity
-        pull = _bounded(wanted, limits.acceleration)
+        desired = w * w * (goal - self.position) - 2.0 * w * self.velocity
+        pull = _bounded(desired, limits.acceleration)
         velocity = _bounded(self.velocity + pull * dt, limits.speed)
         return Motion(
             position=self.position + velocity * dt,

@@ -188,12 +188,12 @@ def _within_behavior_share(
     inertia = terms.M.diagonal()[BASE:] + bounds.added_inertia
     gravity = terms.h[BASE:]
     lowest, highest = bounds.lower - gravity, bounds.upper - gravity
-    wanted = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
+    target = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
     fading = bounds.behavior_weight**2 / (
         1.0 + weights.user_yielding * (1.0 - bounds.behavior_weight)
     )
     return PostureTask(
-        wanted, np.maximum(posture.weight * fading, weights.least_posture)
+        target, np.maximum(posture.weight * fading, weights.least_posture)
     )
 
 
