@@ -240,7 +240,7 @@ def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
     stance = state.feet[1 - foot].p_WF[:2]
     for left in (0.75, 0.5, 0.25):
         elapsed = duration * (1.0 - left * RULES.unload_share)
-        still = {"elapsed": elapsed, "heel": 0.0, "fresh": None}
+        still = {"elapsed": elapsed, "heel": 0.0, "touchdown_foot": None}
         state = standing_still_at(state, stance, duration, **still)
         feet = commanded(step, state, observe(above=stance))
         loads = [feet[side].max_normal_force for side in (foot, 1 - foot)]

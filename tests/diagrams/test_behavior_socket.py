@@ -312,7 +312,7 @@ def test_the_behaviors_configuration_comes_from_the_scenario():
         ("rest.depth=2", "less than or equal to 1"),
         ("rest.deph=0.2", "Did you mean 'depth'"),
         ("rst.depth=0.2", "Did you mean 'rest'"),
-        ("REST.depth=0.2", "Did you mean 'rest'"),
+        ("REST.depth=0.2", "no such field"),
         ("gians.dcm_gain=2", "Did you mean 'gains'"),
     ):
         scenario = with_settings(Scenario(), [f"controller.{setting}"])
