@@ -368,7 +368,7 @@ def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
     state = entered(step, observe(), request())
     state = raised(state, 1 - foot, 0.05)
     progress = replace(state.progress, request=request(foot=foot))
-    desired = step._beginning.requested(replace(state, progress=progress))
+    desired = step._tools.requested(replace(state, progress=progress))
     assert desired.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
@@ -378,7 +378,7 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
 
     def height(state):
         reach = step._control(state).reach(state)
-        return step._stance.body_target(state, reach).height
+        return step._tools.body_target(state, reach).height
 
     level = height(state)
     up = height(raised(state, foot, 0.01))
@@ -500,7 +500,7 @@ def lowered(step, observe):
         state = shifting(step, observe(), command)
         action = replace(state.step.action, step_end_dist=lean)
         rising = {"elapsed": 0.0, "step": replace(state.step, action=action)}
-        stance = step._stance.balance.support(state.feet[1 - foot])
+        stance = step._tools.balance.support(state.feet[1 - foot])
         swing = in_phase(StepSwing, state, **rising, support=stance)
         assert tick(step, swing, observe(), command).state.elapsed > 0.0
         above = replace(swing, elapsed=swing.swing.duration - swing.swing.lower)
@@ -531,7 +531,7 @@ def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
 
     def reserves(share):
         end = shift.start + share * lean * ahead
-        omega = step._stance.omega(observe(), (lower.feet[1 - foot],))
+        omega = step._tools.omega(observe(), (lower.feet[1 - foot],))
         moved = WeightShift(shift.start, end, shift.duration)
         inside = -lower.support.distance_outside(end) - RULES.lean_inside
         return inside, -moved.cop_outside(lower.support, omega) - RULES.cop_inside

@@ -319,7 +319,7 @@ def test_the_behaviors_configuration_comes_from_the_scenario():
         with pytest.raises(ScenarioError, match=words) as raised:
             AtlasSimulation(scenario, behaviors=[entry])
         assert raised.value.field.startswith("controller." + setting.split(".")[0])
-    with pytest.raises(ScenarioError, match="registered behaviors: none"):
+    with pytest.raises(ScenarioError, match="no such field"):
         AtlasSimulation(with_settings(Scenario(), ["controller.rest.depth=0.4"]))
     with pytest.raises(ScenarioError, match="there is no such field"):
         with_settings(Scenario(), ["controller.rest=0.4"])

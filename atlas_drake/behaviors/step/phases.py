@@ -7,6 +7,7 @@ Frozen data, and functions of these data alone. ``both_feet`` and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from atlas_drake.control.feet.swing_foot import quintic_progress
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose, Footstep
+
+Next = TypeVar("Next", bound="StepPhase")
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,15 @@ class StepPhase(Phase):
     def reported(self) -> Footstep | None:
         """The present or last step, if any."""
         return None
+
+    def become(self, kind: type[Next], **changes: Any) -> Next:
+        """Returns the phase that follows, with the fields that both have."""
+        shared = {
+            name: value
+            for name, value in vars(self).items()
+            if name in kind.__dataclass_fields__
+        }
+        return kind(**{**shared, "elapsed": 0.0, **changes})
 
     def dcm_reference(self, omega: float) -> DcmReference:
         """Evaluates the present references of DCM and CoP."""

@@ -21,7 +21,6 @@ from atlas_drake.behaviors.step.both_feet import (
     RestControl,
     SettleControl,
     ShiftControl,
-    StepBeginning,
 )
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.phases import (
@@ -32,9 +31,8 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
-from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
+from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -44,7 +42,6 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.messages.footstep import StepAction
 
 
 class Step(BehaviorProtocol):
@@ -55,29 +52,23 @@ class Step(BehaviorProtocol):
     """
 
     def __init__(self, tools: BehaviorTools, config: StepConfig):
-        balance, height = tools.balance, tools.nominal_height
+        self._balance = tools.balance
         self._rates = config.body
         self._rules = config.rules
-        planner = StepPlanner(balance, height, config.limits, config.posture)
-        default = StepAction(knee_nominal=planner.nominal_knee)
-        stance = StepBalance(balance, height, planner, config.rules)
-        beginning = StepBeginning(stance, default, config.swing, tools.gait)
-        self._balance = balance
-        self._stance = stance
-        self._beginning = beginning
+        self._tools = StepTools(tools, config)
         self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
-            Rest: RestControl(stance, beginning),
-            StepShift: ShiftControl(stance, beginning),
-            StepSwing: SwingControl(stance),
-            Lower: LowerControl(stance, config.swing),
-            StepSettle: SettleControl(stance, beginning),
+            Rest: RestControl(self._tools),
+            StepShift: ShiftControl(self._tools),
+            StepSwing: SwingControl(self._tools),
+            Lower: LowerControl(self._tools),
+            StepSettle: SettleControl(self._tools),
         }
 
     def enter(
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
-        return self._beginning.enter(observation)
+        return self._tools.rest_at_first(observation)
 
     def update(
         self,
@@ -105,7 +96,7 @@ class Step(BehaviorProtocol):
         phase, feet = control.command_feet(phase, observation)
         body = advance_body(
             body,
-            self._stance.body_target(phase, control.reach(phase)),
+            self._tools.body_target(phase, control.reach(phase)),
             self._rates,
             observation.dt,
             observation.terms.q,
@@ -207,7 +198,7 @@ class Step(BehaviorProtocol):
         """Names the steps that STAND leaves out: a started step and a coming step."""
         # A step whose foot is still down is left out, too.
         left = [phase.progress.index] if isinstance(phase, StepShift) else []
-        desired, request = self._beginning.requested(phase), phase.progress.request
+        desired, request = self._tools.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
         if desired is not None and not demo:
             left.append(desired.index)
