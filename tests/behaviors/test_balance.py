@@ -160,7 +160,7 @@ def test_trunk_and_posture_are_turned_to_their_reference(balance, observe):
     assert com.target[2] == pytest.approx(0.01 * gains.com_height.kp)
     np.testing.assert_allclose(command.posture.target, 0.1 * gains.posture.kp)
     # With the back under the user's control, the chest may not tilt the pelvis.
-    back = balance.robot.joint_names[int(balance._back[0])]
+    back = "back_bkz"
     _, _, chest, pelvis, *_ = commanded(
         balance, observe(users={back: 1.0}), body=ahead
     ).tasks

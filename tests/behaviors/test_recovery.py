@@ -10,7 +10,7 @@ from atlas_drake import (
     BehaviorStatus,
     Scenario,
 )
-from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.balance import Balance, StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
 from atlas_drake.behaviors.stand.stand import StandConfig
@@ -159,7 +159,7 @@ def settled(walk, observe, apart):
     phase = replace(phase, elapsed=phase.duration)
     settle = walk.update(phase, seen, body, request, leaving=False).state
     left, right = settle.progress.feet
-    width = walk._balance.stance.width
+    width = StanceConfig().width
     right = FootPose(left.p_WF - [apart, width, 0.0], right.R_WF)
     progress = replace(
         settle.progress,

@@ -193,7 +193,7 @@ def in_phase(kind, state, **fields):
 
 def commanded(step, state, seen):
     """Both feet's contacts; the reference is held still for the look."""
-    _, feet = step._control(state).command_feet(state, seen)
+    _, feet = step.control(state).command_feet(state, seen)
     return [foot.contact for foot in feet]
 
 
@@ -368,7 +368,7 @@ def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
     state = entered(step, observe(), request())
     state = raised(state, 1 - foot, 0.05)
     progress = replace(state.progress, request=request(foot=foot))
-    desired = step._tools.requested(replace(state, progress=progress))
+    desired = step.tools.requested(replace(state, progress=progress))
     assert desired.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
@@ -377,8 +377,8 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     state = entered(step, observe(), request())
 
     def height(state):
-        reach = step._control(state).reach(state)
-        return step._tools.body_target(state, reach).height
+        reach = step.control(state).reach(state)
+        return step.tools.body_target(state, reach).height
 
     level = height(state)
     up = height(raised(state, foot, 0.01))
@@ -469,7 +469,7 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
         assert heel(time)[1] > 0.0
     assert not replace(state, heel=0.0).heel_motion(0.5)[0]
     # On its toes the foot still widens the support, but carries no moment.
-    shift = step._control(state)
+    shift = step.control(state)
     flat, raised = (
         shift.support(replace(state, elapsed=time)) for time in (0.0, 0.9 * end)
     )
@@ -500,7 +500,7 @@ def lowered(step, observe):
         state = shifting(step, observe(), command)
         action = replace(state.step.action, step_end_dist=lean)
         rising = {"elapsed": 0.0, "step": replace(state.step, action=action)}
-        stance = step._tools.balance.support(state.feet[1 - foot])
+        stance = step.tools.balance.support(state.feet[1 - foot])
         swing = in_phase(StepSwing, state, **rising, support=stance)
         assert tick(step, swing, observe(), command).state.elapsed > 0.0
         above = replace(swing, elapsed=swing.swing.duration - swing.swing.lower)
@@ -531,7 +531,7 @@ def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
 
     def reserves(share):
         end = shift.start + share * lean * ahead
-        omega = step._tools.omega(observe(), (lower.feet[1 - foot],))
+        omega = step.tools.omega(observe(), (lower.feet[1 - foot],))
         moved = WeightShift(shift.start, end, shift.duration)
         inside = -lower.support.distance_outside(end) - RULES.lean_inside
         return inside, -moved.cop_outside(lower.support, omega) - RULES.cop_inside
@@ -586,7 +586,7 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
     state = shifting(step, observe(), request(foot=foot))
 
     def height(state):
-        return step._control(state).reach(state).height
+        return step.control(state).reach(state).height
 
     settling = in_phase(StepSettle, state)
     assert height(raised(settling, foot, 0.1)) == height(settling)

@@ -7,7 +7,7 @@ from atlas_drake.behaviors.balance import Balance, StanceConfig
 from atlas_drake.behaviors.step.config import PostureRules
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
+from atlas_drake.control.feet.leg_kinematics import highest_com, knee_ahead
 from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import quasi_static_limits
 from atlas_drake.control.gains import ControlGains
@@ -83,7 +83,7 @@ def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
 
     def plan(setting):
         desired = step_of(seen[1], foot, toe_off=setting)
-        return planner._posture(terms, feet, desired, 0.0), desired
+        return planner.posture(terms, feet, desired, 0.0), desired
 
     flat, desired = plan(ToeOff.DISABLE)
     free, _ = plan(ToeOff.ENABLE)
@@ -119,11 +119,14 @@ def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
     for heavier in (1.0, 2.0, 4.0):
         loaded = Balance(robot, ControlGains())
         loaded.weight *= heavier
-        plan = StepPlanner(loaded, planner._nominal_height, planner.limits, RULES).plan(
-            terms, feet, step_of(feet, foot, 0.15, rise=rise)
-        )
+        plan = StepPlanner(
+            loaded,
+            planner.height(StepAction(knee_nominal=planner.nominal_knee)),
+            planner.limits,
+            RULES,
+        ).plan(terms, feet, step_of(feet, foot, 0.15, rise=rise))
         com = np.append(plan.com, plan.height)
-        lever = _knee_ahead(leg, plan.hips[stance], com, feet[stance])
+        lever = knee_ahead(leg, plan.hips[stance], com, feet[stance])
         most = RULES.knee_efforts[-1] * robot.effort_limit[leg.knee]
         assert lever * loaded.weight < most + 1.0
         assert plan.lean <= RULES.lean
@@ -145,8 +148,8 @@ def test_a_step_is_shortened_towards_the_place_beside_the_other_foot(
     out = outward(foot) * np.array([0.0, 1.0, 0.0])
     p_SF = np.array([ahead, 0.0, 0.0]) + (aside + HALF_WIDTH) * out
     step = Footstep(1, foot, stance.p_WF + R_WS @ p_SF, yaw, 0.7, 0.1)
-    beside = min(aside + HALF_WIDTH, planner._easy_width) * out
+    beside = min(aside + HALF_WIDTH, StanceConfig().width) * out
     for share in (0.8, 0.4):
-        nearer = planner._shortened(step, stance, share)
+        nearer = planner.shortened(step, stance, share)
         way = R_WS.T @ (nearer.p_WF - stance.p_WF) - beside
         np.testing.assert_allclose(way, share * (p_SF - beside), atol=1e-9)

@@ -10,9 +10,9 @@ from atlas_drake.control.estimation.attitude import (
 )
 from atlas_drake.control.estimation.leg_odometry import (
     OdometryTuning,
-    _slip,
     correct,
     predict,
+    slip_rate,
     start_odometry,
 )
 from atlas_drake.control.whole_body.model import GRAVITY
@@ -182,10 +182,18 @@ def test_a_wrong_tilt_is_forgotten_at_its_rate(period):
 def test_a_foot_drifts_the_more_the_less_it_carries_and_the_faster_it_moves():
     t = OdometryTuning()
     firm, loose = t.slip, t.slip + t.loose_slip
-    assert _slip(t.full_load, t.still, t) == _slip(1.0, 0.0, t) == pytest.approx(firm)
-    assert _slip(t.no_load, 0.0, t) == _slip(-0.1, 9.0, t) == pytest.approx(loose)
-    assert _slip(1.0, t.sliding, t) == _slip(1.0, 9.0, t) == pytest.approx(loose)
+    assert (
+        slip_rate(t.full_load, t.still, t)
+        == slip_rate(1.0, 0.0, t)
+        == pytest.approx(firm)
+    )
+    assert (
+        slip_rate(t.no_load, 0.0, t) == slip_rate(-0.1, 9.0, t) == pytest.approx(loose)
+    )
+    assert (
+        slip_rate(1.0, t.sliding, t) == slip_rate(1.0, 9.0, t) == pytest.approx(loose)
+    )
     between = 0.5 * np.array([t.no_load + t.full_load, t.still + t.sliding])
     half = t.slip + 0.25 * t.loose_slip
-    assert _slip(between[0], 0.0, t) == pytest.approx(half)
-    assert _slip(1.0, between[1], t) == pytest.approx(half)
+    assert slip_rate(between[0], 0.0, t) == pytest.approx(half)
+    assert slip_rate(1.0, between[1], t) == pytest.approx(half)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.feet.leg_kinematics import (
-    _knee_ahead,
     highest_com,
     highest_sole,
     hips_from_com,
+    knee_ahead,
     knee_for_length,
     leg_length,
     lowest_com,
@@ -88,7 +88,7 @@ def test_a_bent_knee_is_as_far_ahead_as_the_robots(model, lean):
     body = plant.GetJointByName("l_leg_kny").child_body()
     knee = plant.EvalBodyPoseInWorld(context, body).translation()
     hips = hips_from_com(terms, legs)
-    found = _knee_ahead(legs[0], hips[0], terms.com, feet(terms)[0])
+    found = knee_ahead(legs[0], hips[0], terms.com, feet(terms)[0])
     # But for the hip pitch joint's own small swing about the roll joint.
     assert found == pytest.approx(knee[0] - terms.com[0], abs=0.01)
 

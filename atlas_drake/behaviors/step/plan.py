@@ -102,15 +102,15 @@ class StepPlanner:
         shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
         for knee_effort in rules.knee_efforts:
             for share in shares:
-                nearer = step if share == 1.0 else self._shortened(step, stance, share)
+                nearer = step if share == 1.0 else self.shortened(step, stance, share)
                 for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
-                    plan = self._posture(terms, feet, nearer, effort)
+                    plan = self.posture(terms, feet, nearer, effort)
                     lever = knee_effort * self._lever
                     if self._affordable(plan, feet, lever):
                         return plan
         return None
 
-    def _posture(
+    def posture(
         self,
         terms: WholeBodyTerms,
         feet: tuple[FootPose, FootPose],
@@ -173,7 +173,7 @@ class StepPlanner:
             self.legs, plan.hips, plan.com, stance, feet[stance], lever
         )
 
-    def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
+    def shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
         """Returns the step moved towards the place beside the stance foot."""
         R_WS = rotation_z(stance.yaw)
         p_SF = R_WS.T @ (step.p_WF - stance.p_WF)

@@ -55,20 +55,20 @@ class Step(BehaviorProtocol):
         self._balance = tools.balance
         self._rates = config.body
         self._rules = config.rules
-        self._tools = StepTools(tools, config)
+        self.tools = StepTools(tools, config)
         self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
-            Rest: RestControl(self._tools),
-            StepShift: ShiftControl(self._tools),
-            StepSwing: SwingControl(self._tools),
-            Lower: LowerControl(self._tools),
-            StepSettle: SettleControl(self._tools),
+            Rest: RestControl(self.tools),
+            StepShift: ShiftControl(self.tools),
+            StepSwing: SwingControl(self.tools),
+            Lower: LowerControl(self.tools),
+            StepSettle: SettleControl(self.tools),
         }
 
     def enter(
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
-        return self._tools.rest_at_first(observation)
+        return self.tools.rest_at_first(observation)
 
     def update(
         self,
@@ -83,7 +83,7 @@ class Step(BehaviorProtocol):
         With ``leaving`` a foot in the air lands, and no further step begins.
         """
         progress = phase.progress
-        cut_short = progress.leaving or not self._control(phase).are_both_flat(phase)
+        cut_short = progress.leaving or not self.control(phase).are_both_flat(phase)
         phase = replace(
             phase,
             elapsed=phase.elapsed + observation.dt,
@@ -91,12 +91,12 @@ class Step(BehaviorProtocol):
             progress=replace(progress, leaving=leaving and cut_short),
         )
         phase, events = self._read(phase, observation, request)
-        phase, news = self._control(phase).advance(phase, observation, leaving)
-        control = self._control(phase)
+        phase, news = self.control(phase).advance(phase, observation, leaving)
+        control = self.control(phase)
         phase, feet = control.command_feet(phase, observation)
         body = advance_body(
             body,
-            self._tools.body_target(phase, control.reach(phase)),
+            self.tools.body_target(phase, control.reach(phase)),
             self._rates,
             observation.dt,
             observation.terms.q,
@@ -146,7 +146,8 @@ class Step(BehaviorProtocol):
             feedback.desired_step_spec_saturated = spec
         return feedback
 
-    def _control(self, phase: StepState) -> StepPhaseControl[Any]:
+    def control(self, phase: StepState) -> StepPhaseControl[Any]:
+        """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
 
     # ---- requests ------------------------------------------------------------
@@ -182,7 +183,7 @@ class Step(BehaviorProtocol):
         If STAND was requested before the landing of a step, the robot must be at rest,
         too.
         """
-        if not self._control(phase).are_both_flat(phase):
+        if not self.control(phase).are_both_flat(phase):
             return False
         if not phase.progress.leaving:
             return True
@@ -198,7 +199,7 @@ class Step(BehaviorProtocol):
         """Names the steps that STAND leaves out: a started step and a coming step."""
         # A step whose foot is still down is left out, too.
         left = [phase.progress.index] if isinstance(phase, StepShift) else []
-        desired, request = self._tools.requested(phase), phase.progress.request
+        desired, request = self.tools.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
         if desired is not None and not demo:
             left.append(desired.index)

@@ -52,7 +52,7 @@ class Walk(BehaviorProtocol):
     """Walks over given footsteps.
 
     Reads the requested steps, and calls the control of the present phase:
-    ``DoubleSupport``, ``SingleSupport`` or ``Settling``.
+    ``DoubleSupport``, ``SingleSupport`` or ``Settling``; ``planner`` makes the phases.
     """
 
     def __init__(self, tools: BehaviorTools, config: WalkConfig):
@@ -64,12 +64,12 @@ class Walk(BehaviorProtocol):
         self._rules = config.rules
         self._gait = tools.gait
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
-        self._planner = WalkPlanner(balance, self._omega, config)
-        double_support = DoubleSupport(balance, self._planner, config.rules)
-        self._settling = Settling(balance, self._planner, config)
+        self.planner = WalkPlanner(balance, self._omega, config)
+        double_support = DoubleSupport(balance, self.planner, config.rules)
+        self._settling = Settling(balance, self.planner, config)
         self._controls: dict[type[WalkState], PhaseControl[Any]] = {
             InitialTransfer: double_support,
-            WalkSwing: SingleSupport(balance, self._planner, config),
+            WalkSwing: SingleSupport(balance, self.planner, config),
             Transfer: double_support,
             FinalTransfer: self._settling,
         }
@@ -84,7 +84,7 @@ class Walk(BehaviorProtocol):
         first = pending[0].index if pending else 1
         progress = WalkProgress(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
-        return self._planner.initial_transfer(
+        return self.planner.initial_transfer(
             progress, dcm, self._balance.support(*feet).clamp(dcm)
         )
 
@@ -104,12 +104,12 @@ class Walk(BehaviorProtocol):
             elapsed=phase.elapsed + observation.dt,
             plan_time=phase.plan_time + observation.dt,
         )
-        phase, events = self._control(phase).advance(phase, observation, leaving)
+        phase, events = self.control(phase).advance(phase, observation, leaving)
         changed = phase.progress.pending is not before.progress.pending
         if before.elapsed == 0.0 or changed:
-            phase, news = self._planner.warn(phase, observation.time)
+            phase, news = self.planner.warn(phase, observation.time)
             events = (*events, *news)
-        phase, feet = self._control(phase).command_feet(phase, observation)
+        phase, feet = self.control(phase).command_feet(phase, observation)
         body = advance_body(
             body,
             self._body_target(phase),
@@ -157,7 +157,7 @@ class Walk(BehaviorProtocol):
     ) -> AtlasBehaviorWalkFeedback:
         """Returns timing and the steps as they will be executed."""
         progress = phase.progress
-        step_preview = self._planner.step_preview(progress, phase.in_air)
+        step_preview = self.planner.step_preview(progress, phase.in_air)
         return AtlasBehaviorWalkFeedback(
             t_step_rem=phase.time_to_touchdown(step_preview.steps, self._timing),
             current_step_index=progress.last_index,
@@ -166,14 +166,15 @@ class Walk(BehaviorProtocol):
             step_queue_saturated=list(step_preview.reported),
         )
 
-    def _control(self, phase: WalkState) -> PhaseControl[Any]:
+    def control(self, phase: WalkState) -> PhaseControl[Any]:
+        """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
 
     def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, progress=replace(phase.progress, pending=()))
         if isinstance(phase, InitialTransfer | Transfer):
-            return self._planner.final_transfer(phase.progress, phase.planned.cop)
+            return self.planner.final_transfer(phase.progress, phase.planned.cop)
         return phase
 
     def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
@@ -207,7 +208,7 @@ class Walk(BehaviorProtocol):
         beyond what they carry.
         """
         progress = phase.progress
-        step = phase.in_air or next(iter(self._planner.coming(progress)), None)
+        step = phase.in_air or next(iter(self.planner.coming(progress)), None)
         if step is None or step.duration > self._rules.quick_step:
             return False
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]

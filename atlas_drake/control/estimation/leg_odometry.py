@@ -158,7 +158,7 @@ def correct(
         for foot in standing:
             own = _FEET[foot]
             speed = float(np.linalg.norm(state.v_WI + v_IF_W[foot]))
-            slip = _slip(float(load[foot]), speed, tuning)
+            slip = slip_rate(float(load[foot]), speed, tuning)
             covariance[own, own] += slip * slip * dt
     else:
         rows, seen, variance = [_EYE[_VELOCITY]], np.zeros((1, 3)), tuning.rest**2
@@ -182,8 +182,8 @@ def correct(
     return OdometryState(state.q_WP, mean, covariance)
 
 
-def _slip(load: float, speed: float, tuning: OdometryTuning) -> float:
-    """Drift of a foot that carries ``load`` and moves at ``speed`` [m/√s]."""
+def slip_rate(load: float, speed: float, tuning: OdometryTuning) -> float:
+    """Computes the drift of a foot by its load [-] and its speed [m/s], in m/√s."""
     light = (tuning.full_load - load) / (tuning.full_load - tuning.no_load)
     fast = (speed - tuning.still) / (tuning.sliding - tuning.still)
     loose = min(max(light, fast, 0.0), 1.0)

@@ -153,15 +153,15 @@ def lowest_com(
     low = high - MAX_SQUAT
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:
+        if knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:
             low = middle
         else:
             high = middle
     return high
 
 
-def _knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
-    """Distance of the standing leg's knee ahead of the center of mass [m]."""
+def knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
+    """Computes how far the standing leg's knee is ahead of the center of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])
     ankle = pose.p_WF + pose.R_WF @ leg.p_FA
     to_hip = com + hip - ankle

@@ -99,7 +99,7 @@ class WholeBodyQp:
         for name in ("target", "weight"):
             given = getattr(command.posture, name)
             shaped(given, (len(terms.q),), name, "the command's posture")
-        posture = _within_behavior_share(command.posture, terms, bounds, self._weights)
+        posture = within_behavior_share(command.posture, terms, bounds, self._weights)
         H, f = _cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
@@ -170,7 +170,7 @@ def _gravity_compensation(
     )
 
 
-def _within_behavior_share(
+def within_behavior_share(
     posture: PostureTask,
     terms: WholeBodyTerms,
     bounds: EffortBounds,
