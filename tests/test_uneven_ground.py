@@ -1,8 +1,6 @@
 """Walking on uneven ground: up and down a step, and over tilted footholds."""
 
 import math
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +22,6 @@ from atlas_drake.scenario.terrain import Block, surface_height
 
 pytestmark = pytest.mark.slow
 
-EXAMPLE = Path(__file__).parents[1] / "examples/10_obstacles.py"
 
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
@@ -123,20 +120,6 @@ def test_tilted_footholds(walk):
         normal = rotation_matrix(pose.orientation.to_wxyz())[:, 2]
         expected = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix().matrix()[:, 2]
         np.testing.assert_allclose(normal, expected, atol=0.02)
-
-
-@pytest.mark.parametrize("world", ["ramp", "blocks"])
-def test_over_the_obstacle_of_a_world(world):
-    example = runpy.run_path(str(EXAMPLE))
-    scenario = Scenario(world=world)
-    sim = AtlasSimulation(scenario)
-    steps = example["steps_over"](sim.scenario.world)
-    sim.advance(0.5)
-    example["walk"](sim, steps)
-    assert not sim.has_fallen
-    assert sim.current_behavior is Behavior.STAND
-    assert [s["index"] for s in sim.footsteps] == [s.step_index for s in steps]
-    assert max(s["error_m"] for s in sim.footsteps) <= LANDING_ERROR
 
 
 def test_across_a_ramp(walk):

@@ -18,6 +18,7 @@ from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import capture_step, square_up_step
 from atlas_drake.behaviors.walk.phases import FinalTransfer, InitialTransfer, WalkSwing
 from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
@@ -92,7 +93,7 @@ def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_a_closing_step_puts_the_feet_side_by_side(foot):
+def test_a_square_up_step_puts_the_feet_side_by_side(foot):
     other = FootPose(
         np.array([1.0, 0.0, 0.1]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     )
@@ -132,7 +133,9 @@ def test_a_walk_without_steps_catches_a_lost_balance_at_once(walk, observe):
     assert isinstance(outcome.state, FinalTransfer)
 
 
-def test_lift_off_is_hurried_while_the_balance_is_lost(walk, observe, walk_message):
+def test_lift_off_is_brought_forward_while_the_balance_is_lost(
+    walk, observe, walk_message
+):
     pushed = observe(speed=PUSHED)
     message = walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14))
     phase, body, request = entered(walk, observe(), message)
@@ -152,37 +155,39 @@ def test_lift_off_is_hurried_while_the_balance_is_lost(walk, observe, walk_messa
     assert outcome.state.duration == phase.duration
 
 
-def settled(walk, observe, apart):
-    """A walk at rest after a caught balance, the right foot ``apart`` [m] behind."""
+def settled(walk, observe, foot, apart):
+    """A walk at rest after a recovery step of ``foot``, the other ``apart`` behind."""
     seen = observe()
     phase, body, request = entered(walk, seen)
     phase = replace(phase, elapsed=phase.duration)
     settle = walk.update(phase, seen, body, request, leaving=False).state
-    left, right = settle.progress.feet
-    width = StanceConfig().width
-    right = FootPose(left.p_WF - [apart, width, 0.0], right.R_WF)
+    feet = list(settle.progress.feet)
+    beside = outward(1 - foot) * StanceConfig().width
+    place = feet[foot].p_WF + [-apart, beside, 0.0]
+    feet[1 - foot] = FootPose(place, feet[foot].R_WF)
     progress = replace(
         settle.progress,
-        feet=(left, right),
+        feet=tuple(feet),
         recovery_index=1,
         last_index=1,
-        last_foot=LEFT,
+        last_foot=foot,
         next_index=2,
     )
     settle = replace(settle, progress=progress, elapsed=settle.duration + 1.0)
     return walk.update(settle, seen, body, request, leaving=False)
 
 
-def test_feet_apart_after_a_caught_balance_are_put_side_by_side(walk, observe):
-    outcome = settled(walk, observe, 0.2)
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_feet_apart_after_a_recovery_step_are_squared_up(walk, observe, foot):
+    outcome = settled(walk, observe, foot, 0.2)
     assert isinstance(outcome.state, InitialTransfer)
     (step,) = outcome.state.progress.pending
     assert isinstance(step, Footstep)
-    assert (step.foot, step.index) == (RIGHT, 2)
+    assert (step.foot, step.index) == (1 - foot, 2)
     assert not outcome.finished
     # Feet that still stand apart after that step are put side by side again.
     assert outcome.state.progress.recovery_index == 2
-    assert settled(walk, observe, 0.02).finished
+    assert settled(walk, observe, foot, 0.02).finished
 
 
 # ---- in a simulation ---------------------------------------------------------

@@ -124,6 +124,7 @@ def growth(step, dt):
     return np.log(np.abs(np.linalg.eigvals(step)).max()) / dt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
 @pytest.mark.parametrize(
     ("dt", "extra_damping"), [(PHYSICS_STEPS[0], 50.0), (PHYSICS_STEPS[1], 0.0)]
@@ -150,6 +151,7 @@ def test_the_whole_robot_is_stable_under_the_law(
     assert growth(step, dt) < NEGLIGIBLE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stiffer", "kp_velocity"), [(1.0, 20.0), (5.0, 200.0)])
 def test_stiff_legs_on_the_ground_are_stable_at_the_default_step(
     model, robot, inverse_mass, stiffer, kp_velocity

@@ -47,13 +47,6 @@ def test_points_on_an_edge_are_no_corners():
     assert {tuple(v) for v in polygon.vertices} == set(square)
 
 
-def test_heights_are_ignored():
-    flat, raised = cloud(0), np.column_stack([cloud(0), np.linspace(-1.0, 1.0, 30)])
-    np.testing.assert_array_equal(
-        SupportPolygon(flat).vertices, SupportPolygon(raised).vertices
-    )
-
-
 @given(x=COORDINATES, y=COORDINATES, seed=st.integers(0, 5))
 def test_clamp_gives_the_nearest_point(x, y, seed):
     polygon = SupportPolygon(0.4 * cloud(seed))

@@ -113,14 +113,6 @@ def test_a_damper_beyond_the_limit_still_yields():
     assert bounds.added_inertia[3] == 2.0
 
 
-def test_without_gains_the_forecast_is_the_feed_forward():
-    forecast = forecast_user_effort(
-        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 1.5)), DT, STEP
-    )
-    assert (forecast.effort[0], forecast.inertia[0]) == (3.0, 0.0)
-    assert forecast.excess[0] == 1.5
-
-
 def test_a_posture_asks_of_a_shared_joint_what_its_effort_can_do(standing):
     n = len(standing.q)
     user = UserForecast(np.full(n, 5.0), np.full(n, 0.3), np.zeros(n))

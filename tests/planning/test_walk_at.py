@@ -223,6 +223,7 @@ def test_a_walk_stops_by_shorter_strides_with_the_feet_side_by_side(standing):
     assert stop_walking(standing, gait).behavior == Behavior.STAND
 
 
+@pytest.mark.slow
 def test_a_robot_walks_at_a_velocity_turns_and_stops():
     sim = AtlasSimulation()
     gait = sim.scenario.controller_config().gait()
