@@ -8,7 +8,7 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Behavior
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.walk.config import GaitTiming, WalkConfig
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
     landing_sensitivity,
@@ -25,7 +25,8 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 OMEGA = 3.3
-TIMING = GaitTiming()
+CONFIG = WalkConfig(cop_inward=0.010)
+TIMING = CONFIG.timing
 INWARD = 0.010
 """Distance of the CoP from the middle of the stance sole [m]."""
 FIRST = 0.37
@@ -94,7 +95,7 @@ def test_transfer_and_swing_make_up_the_duration_of_a_step(steps):
 @pytest.mark.parametrize("count", [1, 3])
 def test_the_plans_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
     taken = steps[:count]
-    plan = plan_walk(cop, FIRST, feet, taken, swinging, TIMING, OMEGA, INWARD)
+    plan = plan_walk(cop, FIRST, feet, taken, swinging, CONFIG, OMEGA)
     expected = sum(duration for *_, duration in phases(FIRST, taken, swinging))
     assert plan.duration == pytest.approx(expected)
 
@@ -103,7 +104,7 @@ def test_the_plans_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging,
 def test_the_plan_starts_from_the_present_cop_and_is_continuous(
     feet, steps, cop, swinging
 ):
-    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, CONFIG, OMEGA)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
     times = np.linspace(0.0, plan.duration, 1000)
     cops = np.array([plan.evaluate(time).cop for time in times])
@@ -115,7 +116,7 @@ def test_the_plan_starts_from_the_present_cop_and_is_continuous(
 
 @pytest.mark.parametrize("swinging", [False, True])
 def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, swinging):
-    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, CONFIG, OMEGA)
     poses = list(feet)
     sequence = phases(FIRST, steps, swinging)
     for number, (kind, step, start, end) in enumerate(with_times(sequence)):
@@ -135,9 +136,7 @@ def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, sw
 @pytest.mark.parametrize("count", [0, 3])
 def test_the_plan_ends_at_rest_between_the_feet(feet, steps, cop, swinging, count):
     taken = steps[:count]
-    plan = plan_walk(
-        cop, FIRST, feet, taken, swinging and count > 0, TIMING, OMEGA, INWARD
-    )
+    plan = plan_walk(cop, FIRST, feet, taken, swinging and count > 0, CONFIG, OMEGA)
     poses = list(feet)
     for step in taken:
         poses[step.foot] = step.pose
@@ -148,23 +147,21 @@ def test_the_plan_ends_at_rest_between_the_feet(feet, steps, cop, swinging, coun
 
 
 def test_without_steps_the_plan_settles_in_the_time_left(feet, cop):
-    plan = plan_walk(cop, FIRST, feet, (), False, TIMING, OMEGA, INWARD)
+    plan = plan_walk(cop, FIRST, feet, (), False, CONFIG, OMEGA)
     assert plan.duration == pytest.approx(FIRST)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-15)
 
 
 def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
     # Where the plan comes from must not matter: the same future, the same DCM.
-    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA, INWARD)
+    plan = plan_walk(cop, FIRST, feet, steps, False, CONFIG, OMEGA)
     passed = 0.6 * FIRST
     now = plan.evaluate(passed)
-    again = plan_walk(
-        now.cop, FIRST - passed, feet, steps, False, TIMING, OMEGA, INWARD
-    )
+    again = plan_walk(now.cop, FIRST - passed, feet, steps, False, CONFIG, OMEGA)
     into_swing = FIRST + 0.4 * TIMING.swing(steps[0].duration)
     left = 0.6 * TIMING.swing(steps[0].duration)
     there = plan.evaluate(into_swing)
-    swinging = plan_walk(there.cop, left, feet, steps, True, TIMING, OMEGA, INWARD)
+    swinging = plan_walk(there.cop, left, feet, steps, True, CONFIG, OMEGA)
     for time in np.linspace(0.0, plan.duration - into_swing, 50):
         expected = plan.evaluate(into_swing + time)
         for other, start in ((again, into_swing - passed), (swinging, 0.0)):
@@ -191,7 +188,7 @@ def test_a_plan_begins_at_the_present_dcm():
     )
     step = Footstep(1, 0, np.array([0.2, 0.1, 0.0]), 0.0, 0.63, 0.1)
     cop, omega = np.array([0.005, -0.002]), 3.1
-    plan = plan_walk(cop, 0.8, feet, [step], False, GaitTiming(), omega, INWARD)
+    plan = plan_walk(cop, 0.8, feet, [step], False, WalkConfig(), omega)
     wide = SupportPolygon(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float))
     begun = begun_at(plan, cop, wide)
     np.testing.assert_allclose(begun.evaluate(0.0).dcm, cop, atol=1e-12)
@@ -217,10 +214,10 @@ def test_the_sensitivity_is_the_derivative_by_the_landing_place(feet, steps, cop
         p_WF = steps[0].p_WF.copy()
         p_WF[axis] += shift
         coming = (replace(steps[0], p_WF=p_WF), *steps[1:])
-        plan = plan_walk(cop, FIRST, feet, coming, True, TIMING, OMEGA, INWARD)
+        plan = plan_walk(cop, FIRST, feet, coming, True, CONFIG, OMEGA)
         return plan.evaluate(FIRST).dcm[axis]
 
-    found = landing_sensitivity(cop, FIRST, feet, steps, TIMING, OMEGA, INWARD)
+    found = landing_sensitivity(cop, FIRST, feet, steps, CONFIG, OMEGA)
     assert found == pytest.approx((dcm(1e-3) - dcm(-1e-3)) / 2e-3, rel=1e-6)
     assert 0.5 < found < 1.0
 

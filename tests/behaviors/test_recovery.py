@@ -82,7 +82,7 @@ def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
     supports = tuple(balance.support(pose) for pose in feet)
     dcm = np.array(dcm)
     limits, timing = CONFIG.limits, CONFIG.timing
-    step = capture_step(3, feet, supports, dcm, OMEGA, timing, 0.1, limits)
+    step = capture_step(3, feet, supports, dcm, OMEGA, CONFIG)
     assert (step.foot, step.index, step.duration) == (foot, 3, limits.duration.least)
     assert step.p_WF[2] == 0.05
     cop = supports[1 - foot].clamp(dcm)
@@ -97,7 +97,7 @@ def test_a_square_up_step_puts_the_feet_side_by_side(foot):
     other = FootPose(
         np.array([1.0, 0.0, 0.1]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     )
-    step = square_up_step(5, foot, other, 0.3, 0.7, 0.1)
+    step = square_up_step(5, foot, other, 0.3, CONFIG)
     # The other foot points along y, and its left is along -x.
     side = -0.3 if foot == LEFT else 0.3
     np.testing.assert_allclose(step.p_WF, [1.0 + side, 0.0, 0.1], atol=1e-12)
@@ -163,7 +163,7 @@ def settled(walk, observe, foot, apart):
     settle = walk.update(phase, seen, body, request, leaving=False).state
     feet = list(settle.progress.feet)
     beside = outward(1 - foot) * StanceConfig().width
-    place = feet[foot].p_WF + [-apart, beside, 0.0]
+    place = feet[foot].p_WF + np.array([-apart, beside, 0.0])
     feet[1 - foot] = FootPose(place, feet[foot].R_WF)
     progress = replace(
         settle.progress,

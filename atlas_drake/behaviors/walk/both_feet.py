@@ -117,15 +117,14 @@ class Settling(PhaseControl[FinalTransfer]):
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
-        self._rest = config.timing.rest
-        self._rules = config.rules
+        self._config = config
 
     def advance(
         self, phase: FinalTransfer, observation: Observation, leaving: bool
     ) -> tuple[FinalTransfer | InitialTransfer | WalkSwing, tuple[Event, ...]]:
         """Begins a new weight shift if steps arrived, or the feet stand apart."""
         planner, progress, now = self._planner, phase.progress, phase.planned
-        if is_dcm_lost(phase, observation, self._rules.dcm_lost):
+        if is_dcm_lost(phase, observation, self._config.rules.dcm_lost):
             return planner.recover(progress, observation)
         if self.is_over(phase, observation):
             square_up = planner.square_up(progress)
@@ -144,8 +143,8 @@ class Settling(PhaseControl[FinalTransfer]):
     def is_over(self, phase: FinalTransfer, observation: Observation) -> bool:
         """Returns True if the robot is at rest."""
         speed = float(np.abs(observation.terms.com_velocity).max())
-        over = phase.elapsed > phase.duration + self._rest
-        return over and speed < self._rules.rest_speed
+        over = phase.elapsed > phase.duration + self._config.timing.rest
+        return over and speed < self._config.rules.rest_speed
 
 
 def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:

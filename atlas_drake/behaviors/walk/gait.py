@@ -12,11 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atlas_drake.behaviors.walk.config import GaitTiming
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward, saturate
-from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
@@ -37,9 +36,8 @@ def plan_walk(
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
     swinging: bool,
-    timing: GaitTiming,
+    config: WalkConfig,
     omega: float,
-    inward: float,
 ) -> DcmPlan:
     """Makes the DCM plan from now through ``steps`` to rest.
 
@@ -47,11 +45,12 @@ def plan_walk(
     The present phase, with the CoP at ``cop``, ends after ``first_phase`` [s]; if
     ``swinging``, it is the swing of the first step.
     """
+    timing = config.timing
     segments: list[CopSegment] = []
     poses = list(feet)
     for number, step in enumerate(steps):
         stance = 1 - step.foot
-        target = stance_cop(poses[stance], stance, inward)
+        target = stance_cop(poses[stance], stance, config.cop_inward)
         first = number == 0
         if not (first and swinging):
             duration = first_phase if first else timing.transfer(step.duration)
@@ -72,9 +71,8 @@ def landing_sensitivity(
     swing_time: float,
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
-    timing: GaitTiming,
+    config: WalkConfig,
     omega: float,
-    inward: float,
 ) -> float:
     """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
 
@@ -86,7 +84,7 @@ def landing_sensitivity(
 
     def dcm_at_touchdown(step: Footstep) -> float:
         coming = (step, *rest)
-        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega, inward)
+        plan = plan_walk(cop, swing_time, feet, coming, True, config, omega)
         return float(plan.evaluate(swing_time).dcm[0])
 
     return dcm_at_touchdown(moved) - dcm_at_touchdown(first)
@@ -120,17 +118,15 @@ def capture_step(
     supports: Sequence[SupportPolygon],
     dcm: np.ndarray,
     omega: float,
-    timing: GaitTiming,
-    swing_height: float,
-    limits: StepLimits,
+    config: WalkConfig,
 ) -> Footstep:
     """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
 
     The foot that gets nearer to that point steps. The CoP r is the point of the other
     sole that is nearest to the DCM.
     """
-    duration = limits.duration.least
-    growth = math.exp(omega * timing.swing(duration))
+    duration = config.limits.duration.least
+    growth = math.exp(omega * config.timing.swing(duration))
 
     def step_of(foot: int) -> tuple[float, Footstep]:
         """The step of one foot, and its distance from the point [m]."""
@@ -138,8 +134,8 @@ def capture_step(
         cop = supports[1 - foot].clamp(dcm)
         point = cop + growth * (dcm - cop)
         p_WF = np.append(point, stance.p_WF[2])
-        step = Footstep(index, foot, p_WF, stance.yaw, duration, swing_height)
-        step = saturate(step, stance, limits)
+        step = Footstep(index, foot, p_WF, stance.yaw, duration, config.swing.height)
+        step = saturate(step, stance, config.limits)
         return float(np.hypot(*(step.p_WF[:2] - point))), step
 
     left, right = step_of(LEFT), step_of(RIGHT)
@@ -151,9 +147,9 @@ def square_up_step(
     foot: int,
     other: FootPose,
     width: float,
-    duration: float,
-    swing_height: float,
+    config: WalkConfig,
 ) -> Footstep:
     """Makes the step that puts ``foot`` beside the ``other`` one."""
     beside = outward(foot) * width * rotation_z(other.yaw)[:, 1]
-    return Footstep(index, foot, other.p_WF + beside, other.yaw, duration, swing_height)
+    place, duration = other.p_WF + beside, config.steps.duration
+    return Footstep(index, foot, place, other.yaw, duration, config.swing.height)

@@ -59,15 +59,7 @@ class WalkPlanner:
         """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
         self._balance = balance
         self._omega = omega
-        self._timing = config.timing
-        self._limits = config.limits
-        self._slack = config.slack
-        self._swing_height = config.swing.height
-        self._usual = config.steps.duration
-        self._width = balance.stance.width
-        self._cop_inward = config.cop_inward
-        self._transfer_change = config.rules.transfer_change
-        self._feet_apart = config.rules.feet_apart
+        self._config = config
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -79,7 +71,9 @@ class WalkPlanner:
         latest = self._latest
         if latest and latest[0] is progress and latest[1] is in_air:
             return latest[2]
-        step_preview = look_ahead(progress, in_air, self._limits, self._slack)
+        step_preview = look_ahead(
+            progress, in_air, self._config.limits, self._config.slack
+        )
         self._latest = progress, in_air, step_preview
         return step_preview
 
@@ -104,7 +98,7 @@ class WalkPlanner:
     ) -> InitialTransfer:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
         support = self._balance.support(*progress.feet)
-        duration = self._timing.first_shift
+        duration = self._config.timing.first_shift
         coming = self.coming(progress)
         plan = self._plan(progress, coming, cop, duration)
         return InitialTransfer(
@@ -126,9 +120,7 @@ class WalkPlanner:
             (self._balance.support(feet[0]), self._balance.support(feet[1])),
             feedback.dcm(observation.terms, self._omega),
             self._omega,
-            self._timing,
-            self._swing_height,
-            self._limits,
+            self._config,
         )
         begun = replace(
             progress,
@@ -150,11 +142,10 @@ class WalkPlanner:
             progress.next_index,
             foot,
             progress.feet[progress.last_foot],
-            self._width,
-            self._usual,
-            self._swing_height,
+            self._balance.stance.width,
+            self._config,
         )
-        if landing_error(step, progress.feet[foot]) < self._feet_apart:
+        if landing_error(step, progress.feet[foot]) < self._config.rules.feet_apart:
             return None
         pending = _before_later_ones(step, progress)
         return replace(progress, pending=pending, recovery_index=step.index)
@@ -162,9 +153,9 @@ class WalkPlanner:
     def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
         """Makes the swing of the next step, shortened by ``late`` [s]."""
         step = self.coming(progress)[0]
-        duration = self._timing.swing(step.duration) - late
+        duration = self._config.timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
-        cop = stance_cop(stance, 1 - step.foot, self._cop_inward)
+        cop = stance_cop(stance, 1 - step.foot, self._config.cop_inward)
         begun = replace(
             progress,
             pending=tuple(s for s in progress.pending if s.index > step.index),
@@ -186,9 +177,8 @@ class WalkPlanner:
                 duration,
                 progress.feet,
                 coming,
-                self._timing,
+                self._config,
                 self._omega,
-                self._cop_inward,
             ),
         )
 
@@ -199,7 +189,7 @@ class WalkPlanner:
         duration = phase.duration - sooner
         progress = phase.progress
         stance = 1 - step.foot
-        cop = stance_cop(progress.feet[stance], stance, self._cop_inward)
+        cop = stance_cop(progress.feet[stance], stance, self._config.cop_inward)
         coming = self.coming(progress, step)
         return replace(
             phase,
@@ -217,8 +207,8 @@ class WalkPlanner:
         if not coming:
             return self.final_transfer(progress, cop)
         # The next touchdown is planned one step duration after this planned touchdown.
-        duration = self._timing.transfer(coming[0].duration)
-        change = self._transfer_change * duration
+        duration = self._config.timing.transfer(coming[0].duration)
+        change = self._config.rules.transfer_change * duration
         duration += min(max(early, -change), change)
         return Transfer(
             progress=progress,
@@ -231,7 +221,7 @@ class WalkPlanner:
     def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
         step_preview = self.step_preview(progress)
-        duration = self._timing.settle
+        duration = self._config.timing.settle
         return FinalTransfer(
             progress=progress,
             plan=self._plan(progress, step_preview.steps, cop, duration),
@@ -254,9 +244,8 @@ class WalkPlanner:
             progress.feet,
             coming,
             swinging,
-            self._timing,
+            self._config,
             self._omega,
-            self._cop_inward,
         )
 
 

@@ -59,9 +59,7 @@ class Walk(BehaviorProtocol):
         self._balance = balance = tools.balance
         self._nominal_height = tools.nominal_height
         self._rates = replace(tools.rates, height=config.rules.height_rate)
-        self._timing = config.timing
-        self._profile = config.swing
-        self._rules = config.rules
+        self._config = config
         self._gait = tools.gait
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
         self.planner = WalkPlanner(balance, self._omega, config)
@@ -150,7 +148,7 @@ class Walk(BehaviorProtocol):
 
     def paths(self, phase: WalkState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the DCM plan and of the present swing."""
-        return phase.paths(com, self._profile)
+        return phase.paths(com, self._config.swing)
 
     def feedback(
         self, phase: WalkState, status_flags: int
@@ -159,7 +157,7 @@ class Walk(BehaviorProtocol):
         progress = phase.progress
         step_preview = self.planner.step_preview(progress, phase.in_air)
         return AtlasBehaviorWalkFeedback(
-            t_step_rem=phase.time_to_touchdown(step_preview.steps, self._timing),
+            t_step_rem=phase.time_to_touchdown(step_preview.steps, self._config.timing),
             current_step_index=progress.last_index,
             next_step_index_needed=progress.next_index + len(progress.known),
             status_flags=status_flags,
@@ -209,7 +207,7 @@ class Walk(BehaviorProtocol):
         """
         progress = phase.progress
         step = phase.in_air or next(iter(self.planner.coming(progress)), None)
-        if step is None or step.duration > self._rules.quick_step:
+        if step is None or step.duration > self._config.rules.quick_step:
             return False
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
         return max(heights) - min(heights) <= LEVEL
@@ -220,7 +218,7 @@ class Walk(BehaviorProtocol):
         # With feet at different heights, now or after this step, raise the CoM as far
         # as the lower leg can stretch, so that the knee of the upper leg bends less: a
         # bent knee needs more torque.
-        ground = min(high, low + self._rules.leg_stretch)
+        ground = min(high, low + self._config.rules.leg_stretch)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),
