@@ -20,7 +20,6 @@ from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
     BodyTarget,
-    advance_body,
 )
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
@@ -131,14 +130,7 @@ class Stand(BehaviorProtocol):
         if self._pose is not None:
             target = self._pose(target, observation, request, leaving)
             finished = leaving and _has_arrived(body, target)
-        body = advance_body(
-            body,
-            target,
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        body = observation.advance_body(body, target, self._rates)
         command = self._balance.command(
             observation,
             body,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import BodyReference, advance_body
+from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import step_data_from
 from atlas_drake.behaviors.step.action import step_spec_from
@@ -94,14 +94,8 @@ class Step(BehaviorProtocol):
         phase, news = self.control(phase).advance(phase, observation, leaving)
         control = self.control(phase)
         phase, feet = control.command_feet(phase, observation)
-        body = advance_body(
-            body,
-            self.tools.body_target(phase, control.reach(phase)),
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        target = self.tools.body_target(phase, control.reach(phase))
+        body = observation.advance_body(body, target, self._rates)
         reference, omega = control.reference(phase, observation)
         support = control.support(phase)
         command = self._balance.command(

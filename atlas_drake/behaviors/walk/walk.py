@@ -15,7 +15,6 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyReference,
     BodyTarget,
-    advance_body,
 )
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import replaced
@@ -108,14 +107,7 @@ class Walk(BehaviorProtocol):
             phase, news = self.planner.warn(phase, observation.time)
             events = (*events, *news)
         phase, feet = self.control(phase).command_feet(phase, observation)
-        body = advance_body(
-            body,
-            self._body_target(phase),
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        body = observation.advance_body(body, self._body_target(phase), self._rates)
         command = self._balance.command(
             observation,
             body,
