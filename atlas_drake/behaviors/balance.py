@@ -154,16 +154,12 @@ class Balance:
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(
-                com_acceleration,
-                self._com_weight_quick if quick else self._com_weight,
+                com_acceleration, self._com_weight_quick if quick else self._com_weight
             ),
         )
 
     def on_feet(
-        self,
-        feet: tuple[FootCommand, FootCommand],
-        posture: PostureTask,
-        *tasks: Task,
+        self, feet: tuple[FootCommand, FootCommand], posture: PostureTask, *tasks: Task
     ) -> WholeBodyCommand:
         """Builds the QP's command of two feet, a posture and further tasks."""
         left, right = feet

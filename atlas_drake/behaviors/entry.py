@@ -161,9 +161,7 @@ class BehaviorEntry(BehaviorInterface):
         )
 
 
-def legal_transitions(
-    entries: Iterable[BehaviorEntry],
-) -> dict[str, frozenset[str]]:
+def legal_transitions(entries: Iterable[BehaviorEntry]) -> dict[str, frozenset[str]]:
     """Maps the name of each behavior to the names of those that may follow it."""
     known = tuple(entries)
     return {

@@ -85,23 +85,10 @@ SHIPPED_ENTRIES = (
         ends_in_order=False,
         recovers=True,
     ),
+    _entry(Behavior.WALK, make=Walk, config=WalkConfig(), lifts_feet=True),
+    _entry(Behavior.STEP, make=Step, config=StepConfig(), lifts_feet=True),
     _entry(
-        Behavior.WALK,
-        make=Walk,
-        config=WalkConfig(),
-        lifts_feet=True,
-    ),
-    _entry(
-        Behavior.STEP,
-        make=Step,
-        config=StepConfig(),
-        lifts_feet=True,
-    ),
-    _entry(
-        Behavior.MANIPULATE,
-        make=_manipulate,
-        config=ManipulateConfig(),
-        recovers=True,
+        Behavior.MANIPULATE, make=_manipulate, config=ManipulateConfig(), recovers=True
     ),
     _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
 )

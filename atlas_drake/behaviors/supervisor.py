@@ -39,11 +39,7 @@ from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import (
-    ControllerStatus,
-    Plan,
-    PlannedPaths,
-)
+from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 
 _Planned = TypeVar("_Planned", Plan, PlannedPaths)
@@ -224,10 +220,7 @@ class Supervisor:
     ) -> tuple[SupervisorState, Waiting | Running]:
         """Handles a new request; returns the state, and the behavior then active."""
         state = replace(
-            state,
-            active=active,
-            request=request,
-            error_code=ErrorCode.NO_ERRORS,
+            state, active=active, request=request, error_code=ErrorCode.NO_ERRORS
         )
         target, last = request.behavior, state.last
         if target not in self._entries:

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake import (
-    AtlasCommand,
-    AtlasSimInterfaceCommand,
-    AtlasState,
-)
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.stand.stand import Stand

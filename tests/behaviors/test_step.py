@@ -8,13 +8,7 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Scenario
 from atlas_drake.behaviors.step.config import StepRules
-from atlas_drake.messages import (
-    Behavior,
-    BehaviorStatus,
-    StepStatus,
-    ToeOff,
-    Vector3,
-)
+from atlas_drake.messages import Behavior, BehaviorStatus, StepStatus, ToeOff, Vector3
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario.terrain import Block
 

@@ -6,12 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.messages import (
-    NO_STEP,
-    Behavior,
-    BehaviorStatus,
-    WalkStatus,
-)
+from atlas_drake.messages import NO_STEP, Behavior, BehaviorStatus, WalkStatus
 
 pytestmark = pytest.mark.slow
 

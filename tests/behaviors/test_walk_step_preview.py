@@ -241,10 +241,7 @@ def test_a_landing_elsewhere_is_not_what_was_asked_for():
 
 def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
     event = footstep_event(
-        1.0,
-        step(1, 1.0, yaw=3.1),
-        step(1, 0.4),
-        foot_at(LEFT, 0.41, yaw=-3.1, z=0.5),
+        1.0, step(1, 1.0, yaw=3.1), step(1, 0.4), foot_at(LEFT, 0.41, yaw=-3.1, z=0.5)
     )
     assert event.text == "step 1 landed (left, 590 mm off)"
     assert event.data["commanded"] == pytest.approx([1.0, HALF_WIDTH, 3.1])

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from atlas_drake.control.wrenches import (
-    MIN_LOAD,
-    center_of_pressure,
-)
+from atlas_drake.control.wrenches import MIN_LOAD, center_of_pressure
 
 
 def test_the_cop_is_the_loads_mean_shifted_by_the_moments():

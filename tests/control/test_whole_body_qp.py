@@ -65,9 +65,7 @@ def command_for(robot, contacts, random=None, scale=1.0, weights=WEIGHTS):
     swing = [weights.swing_foot_orientation] * 3 + [weights.swing_foot_position] * 3
     tasks = [
         FrameTask(
-            frame,
-            wish(6),
-            weights.stance_foot if foot in contacts else np.array(swing),
+            frame, wish(6), weights.stance_foot if foot in contacts else np.array(swing)
         )
         for foot, frame in enumerate(frames)
     ]
@@ -79,8 +77,7 @@ def command_for(robot, contacts, random=None, scale=1.0, weights=WEIGHTS):
             MomentTask(point, weights.moment),
             ComTask(com, np.array([weights.com, weights.com, weights.com_height])),
             InternalContactTask(
-                tuple(frames),
-                np.array([weights.internal_contact_moment, force, force]),
+                tuple(frames), np.array([weights.internal_contact_moment, force, force])
             ),
         ]
     patch = sole_patches(robot.file.sole, ContactModel()).whole
@@ -329,8 +326,7 @@ def test_without_a_solution_the_efforts_compensate_gravity(robot, qp, bounds, st
 
 
 @pytest.mark.parametrize(
-    ("patch", "low", "high"),
-    [("middle", -MIDDLE, MIDDLE), ("toes", 0.13 - TOES, 0.13)],
+    ("patch", "low", "high"), [("middle", -MIDDLE, MIDDLE), ("toes", 0.13 - TOES, 0.13)]
 )
 def test_pressure_keeps_to_its_part_of_the_sole(
     robot, qp, bounds, standing, patch, low, high

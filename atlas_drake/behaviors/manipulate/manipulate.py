@@ -225,10 +225,7 @@ class Manipulate(BehaviorProtocol):
     # ---- requested pose ------------------------------------------------------
 
     def _listen(
-        self,
-        state: ManipulateState,
-        observation: Observation,
-        request: BehaviorRequest,
+        self, state: ManipulateState, observation: Observation, request: BehaviorRequest
     ) -> ManipulateState:
         """Reads a request."""
         state = replace(state, request=request)
@@ -238,8 +235,7 @@ class Manipulate(BehaviorProtocol):
                 return state
             upper = self._reach.upper_body(observation.terms, state.stance)
             share = demo_amplitude(
-                state.home,
-                lambda pose: self._reach.allows(pose, state.stance, upper),
+                state.home, lambda pose: self._reach.allows(pose, state.stance, upper)
             )
             return replace(state, demo_time=0.0, demo_share=share)
         if params.use_desired:
@@ -311,9 +307,7 @@ class Manipulate(BehaviorProtocol):
         straighten = self._back & ~observation.user_held
         step = self._posture_rates.joints * observation.dt
         joints[straighten] += np.clip(
-            self._balance.robot.stand_prep[straighten] - joints[straighten],
-            -step,
-            step,
+            self._balance.robot.stand_prep[straighten] - joints[straighten], -step, step
         )
         above = float(terms.com[2] - terms.p_WP[2])
         rising = float(terms.com_velocity[2] - terms.V_WP[5])

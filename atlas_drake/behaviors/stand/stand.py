@@ -16,11 +16,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import (
-    BodyRates,
-    BodyReference,
-    BodyTarget,
-)
+from atlas_drake.behaviors.body_reference import BodyRates, BodyReference, BodyTarget
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference

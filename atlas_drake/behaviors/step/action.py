@@ -72,9 +72,7 @@ SIDE_BY_SIDE = 0.02
 
 
 def desired_step(
-    params: AtlasBehaviorStepParams,
-    feet_z: tuple[float, float],
-    default: StepAction,
+    params: AtlasBehaviorStepParams, feet_z: tuple[float, float], default: StepAction
 ) -> Footstep | None:
     """Returns the step that a message requests; None if it requests none.
 

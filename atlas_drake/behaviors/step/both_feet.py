@@ -18,11 +18,7 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.tools import (
-    Reach,
-    StepPhaseControl,
-    StepTools,
-)
+from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import hips_from_com

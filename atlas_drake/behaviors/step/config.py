@@ -3,13 +3,7 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.config import (
-    Configuration,
-    NotNegative,
-    Positive,
-    ProperShare,
-    Share,
-)
+from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
 from atlas_drake.control.feet.step_swing import StepSwingProfile
 

@@ -80,10 +80,7 @@ class StepPlanner:
         return self._nominal_height + bent - self._nominal_leg
 
     def plan(
-        self,
-        terms: WholeBodyTerms,
-        feet: tuple[FootPose, FootPose],
-        desired: Footstep,
+        self, terms: WholeBodyTerms, feet: tuple[FootPose, FootPose], desired: Footstep
     ) -> StepPlan | None:
         """Plans a step with the least change of posture; None if it is out of reach.
 
@@ -159,10 +156,7 @@ class StepPlanner:
         return max(float(angle), least)
 
     def _affordable(
-        self,
-        plan: StepPlan,
-        feet: tuple[FootPose, FootPose],
-        lever: float,
+        self, plan: StepPlan, feet: tuple[FootPose, FootPose], lever: float
     ) -> bool:
         """True if the standing knee has enough torque at the height of the plan.
 

@@ -19,11 +19,7 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.tools import (
-    Reach,
-    StepPhaseControl,
-    StepTools,
-)
+from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.step_swing import plan_step_swing
 from atlas_drake.frozen import replace

@@ -34,11 +34,7 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
 from atlas_drake.frozen import replace
-from atlas_drake.messages import (
-    NO_STEP,
-    AtlasBehaviorStepFeedback,
-    StepStatus,
-)
+from atlas_drake.messages import NO_STEP, AtlasBehaviorStepFeedback, StepStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
@@ -147,10 +143,7 @@ class Step(BehaviorProtocol):
     # ---- requests ------------------------------------------------------------
 
     def _read(
-        self,
-        phase: StepState,
-        observation: Observation,
-        request: BehaviorRequest,
+        self, phase: StepState, observation: Observation, request: BehaviorRequest
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
@@ -186,9 +179,7 @@ class Step(BehaviorProtocol):
         return phase.elapsed >= phase.shift.duration and slow
 
     def _left_by_standing(
-        self,
-        phase: StepState,
-        observation: Observation,
+        self, phase: StepState, observation: Observation
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves out: a started step and a coming step."""
         # A step whose foot is still down is left out, too.

@@ -143,11 +143,7 @@ def capture_step(
 
 
 def square_up_step(
-    index: int,
-    foot: int,
-    other: FootPose,
-    width: float,
-    config: WalkConfig,
+    index: int, foot: int, other: FootPose, width: float, config: WalkConfig
 ) -> Footstep:
     """Makes the step that puts ``foot`` beside the ``other`` one."""
     beside = outward(foot) * width * rotation_z(other.yaw)[:, 1]

@@ -173,12 +173,7 @@ class WalkPlanner:
             sent=next(s for s in progress.pending if s.index == step.index),
             motion=begin_swing(progress.feet[step.foot], duration),
             sensitivity=landing_sensitivity(
-                cop,
-                duration,
-                progress.feet,
-                coming,
-                self._config,
-                self._omega,
+                cop, duration, progress.feet, coming, self._config, self._omega
             ),
         )
 
@@ -239,13 +234,7 @@ class WalkPlanner:
         swinging: bool = False,
     ) -> DcmPlan:
         return plan_walk(
-            cop,
-            first_phase,
-            progress.feet,
-            coming,
-            swinging,
-            self._config,
-            self._omega,
+            cop, first_phase, progress.feet, coming, swinging, self._config, self._omega
         )
 
 

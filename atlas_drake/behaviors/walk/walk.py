@@ -12,18 +12,11 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import (
-    BodyReference,
-    BodyTarget,
-)
+from atlas_drake.behaviors.body_reference import BodyReference, BodyTarget
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import replaced
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.walk.both_feet import (
-    DoubleSupport,
-    Settling,
-    steps_left_out,
-)
+from atlas_drake.behaviors.walk.both_feet import DoubleSupport, Settling, steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import (
     FinalTransfer,

@@ -12,10 +12,7 @@ import numpy as np
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, UP, FootPose, Footstep
-from atlas_drake.rotations import (
-    rotation_z,
-    wrap_angle,
-)
+from atlas_drake.rotations import rotation_z, wrap_angle
 
 
 def outward(foot: int) -> float:

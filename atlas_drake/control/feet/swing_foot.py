@@ -13,21 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.config import (
-    Configuration,
-    NotNegative,
-    Positive,
-    ProperShare,
-    Share,
-)
+from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import (
-    cross,
-    rotation_with_normal,
-    rotation_y,
-    wrap_angle,
-)
+from atlas_drake.rotations import cross, rotation_with_normal, rotation_y, wrap_angle
 
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
@@ -296,12 +285,7 @@ def quintic_progress(s: float) -> tuple[float, float, float]:
 
 
 def quintic_step(
-    p: np.ndarray,
-    v: np.ndarray,
-    a: np.ndarray,
-    goal: np.ndarray,
-    T: float,
-    dt: float,
+    p: np.ndarray, v: np.ndarray, a: np.ndarray, goal: np.ndarray, T: float, dt: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Advances by ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
     d = goal - p - v * T - 0.5 * a * T * T

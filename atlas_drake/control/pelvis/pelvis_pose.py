@@ -22,13 +22,7 @@ from atlas_drake.config import (
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.footstep import FootPose
-from atlas_drake.rotations import (
-    mean_yaw,
-    orientation,
-    tilt_of,
-    wrap_angle,
-    yaw_of,
-)
+from atlas_drake.rotations import mean_yaw, orientation, tilt_of, wrap_angle, yaw_of
 
 
 @dataclass(frozen=True)

@@ -33,10 +33,7 @@ def why_unsolved(
     """Returns what is wrong with the parts of a QP in words; empty if nothing shows."""
     if not all(np.isfinite(part).all() for part in (terms.q, terms.v, terms.M)):
         return "the state of the robot is not finite"
-    reasons = [
-        *_of_tasks(terms, command),
-        *_of_constraints(program, constraints),
-    ]
+    reasons = [*_of_tasks(terms, command), *_of_constraints(program, constraints)]
     if not reasons and any(
         isinstance(constraint, TaskBounds) and not constraint.soft
         for constraint in command.constraints

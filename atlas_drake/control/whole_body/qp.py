@@ -28,11 +28,7 @@ from atlas_drake.control.whole_body.constraints import (
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.diagnosis import why_unsolved
-from atlas_drake.control.whole_body.elimination import (
-    BASE,
-    ReducedDynamics,
-    TaskStack,
-)
+from atlas_drake.control.whole_body.elimination import BASE, ReducedDynamics, TaskStack
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.quadratic_program import (
     INEQUALITY,
@@ -77,10 +73,7 @@ class WholeBodyQp:
         self._weights = gains.weights
 
     def solve(
-        self,
-        terms: WholeBodyTerms,
-        command: WholeBodyCommand,
-        bounds: EffortBounds,
+        self, terms: WholeBodyTerms, command: WholeBodyCommand, bounds: EffortBounds
     ) -> WholeBodySolution:
         """Finds the efforts for one tick.
 
