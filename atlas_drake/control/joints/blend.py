@@ -61,16 +61,8 @@ def forecast_user_effort(
     law itself gives the ``excess``, with damping at the velocity at the end of its
     step.
 
-    Args:
-        static_effort: kp·e, the integral and all other terms that do not depend on the
-            joint's velocity [N·m], shape (n,).
-        stiffness: kp [N·m/rad], shape (n,).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        v: Joint velocities [rad/s], shape (n,).
-        excess: Signed amount by which the law's effort exceeds the limit [N·m], shape
-            (n,).
-        dt: Length of the tick [s].
-        step: Step h of the user's law [s].
+    τ_static [N·m] has kp·e, the integral and all other terms that do not depend on the
+    velocity; d [N·m·s/rad] is the sum of all gains on velocity.
     """
     effort = static_effort - (0.5 * (dt - step) * stiffness + damping) * v
     inertia = dt * damping + ((dt * dt - step * step) / 6.0) * stiffness

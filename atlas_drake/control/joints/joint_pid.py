@@ -169,12 +169,7 @@ def change_without_user(
     stiffness a part is taken to be balanced by whatever keeps the joint from yielding:
     its change acts at once, as in the explicit law (``StepModel.prompt``).
 
-    Args:
-        state: State of the last step.
-        static: ``static_effort`` of this step [N·m].
-        v: Velocities [rad/s].
-        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: Model from ``step_model``.
+    ``others`` is the behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
     most = MAX_CHANGE * model.stiffness * np.abs(v)
@@ -209,16 +204,10 @@ def user_effort(
     A motor gives the blend of both efforts within its limit. Where a motor saturates,
     v⁺ changes for all joints, and ``_saturated`` computes it.
 
-    Args:
-        static: The law without its velocity terms, ``static_effort`` [N·m].
-        coasting: v_c, velocities and ``change_without_user`` together [rad/s].
-        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: Model from ``step_model``.
-        effort_limit: Effort limits [N·m].
-
-    Returns:
-        The user's effort τ, not limited, and the motors' effort, limited for all joints
-        with a user share above 0 [N·m], shapes (n,).
+    ``static`` is τ_static [N·m]; ``coasting`` is v_c, the velocities and
+    ``change_without_user`` together [rad/s]; ``others`` is the behavior's part of the
+    motors' efforts [N·m]. Returns the user's effort τ, not limited, and the motors'
+    effort, limited for all joints with a user share above 0 [N·m].
     """
     effort = model.gain @ (static - model.damping * coasting)
     total = others + model.share * effort
