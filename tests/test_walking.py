@@ -129,19 +129,6 @@ def test_a_fast_walk(walk, distance, speed):
     assert np.abs(way).max() == pytest.approx(speed, rel=0.1)
 
 
-def test_a_turn_on_the_spot(walk, sim):
-    path = Path(sim)
-    pairs, turn = 5, 0.45
-    for _ in range(pairs):
-        path.step(turn=turn).step()
-    walk(sim, path.steps)
-    assert_walked(sim, path.steps)
-    turned = sim.pelvis_pose.rotation().ToAngleAxis()
-    yaw = turned.angle() * turned.axis()[2]
-    assert math.remainder(yaw - pairs * turn, 2 * math.pi) == pytest.approx(0, abs=0.05)
-    np.testing.assert_allclose(sim.pelvis_pose.translation()[:2], 0.0, atol=0.06)
-
-
 def test_ahead_on_the_estimated_state(walk):
     sim = AtlasSimulation(
         Scenario(

@@ -215,8 +215,9 @@ def pushed(speed, direction=(1.0, 0.0), behavior="STAND", **fields):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
-@pytest.mark.parametrize("direction", [(1.0, 0.0), (-1.0, 0.0)], ids=["ahead", "back"])
+@pytest.mark.parametrize(
+    ("behavior", "direction"), [("STAND", (1.0, 0.0)), ("MANIPULATE", (-1.0, 0.0))]
+)
 def test_a_pushed_robot_steps_and_stands_again(behavior, direction):
     sim = pushed(0.5, direction, behavior)
     assert not sim.has_fallen

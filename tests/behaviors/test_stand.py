@@ -126,13 +126,6 @@ def shared(record):
     return recording
 
 
-def written_law(state, robot):
-    """The user's law at the reported gains, with set-points in force from the start."""
-    return np.array(state.kp_position) * (
-        robot.stand_prep - np.array(state.position)
-    ) - np.array(state.kd_position) * np.array(state.velocity)
-
-
 @pytest.mark.slow
 def test_user_joints_droop_by_gravity_over_stiffness(shared, robot):
     state = shared.sim.atlas_state
@@ -147,19 +140,3 @@ def test_user_joints_droop_by_gravity_over_stiffness(shared, robot):
     )
     # Some do hang visibly, and by their weight.
     assert np.abs(droop[arm]).max() > 0.01
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("k", [0, 102, 204, 255])
-def test_efforts_are_blended_joint_by_joint(shared, robot, k):
-    state = shared.sim.atlas_state
-    joints = np.flatnonzero(np.array(state.k_effort) == k)
-    assert joints.size
-    user = written_law(state, robot)
-    behavior = np.array(shared.sim.atlas_sim_interface_state.f_out)
-    blended = (k * user + (255 - k) * behavior) / 255.0
-    # What is left is the user's damping, taken at the step's end.
-    atol = 0.0 if k == 0 else 0.05
-    np.testing.assert_allclose(
-        np.array(state.effort)[joints], blended[joints], atol=atol
-    )

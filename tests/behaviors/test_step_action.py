@@ -16,7 +16,6 @@ from atlas_drake.behaviors.step.action import (
 from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasBehaviorStepParams,
-    ToeOff,
     Vector3,
 )
 from atlas_drake.messages.footstep import FootPose, StepAction
@@ -33,10 +32,6 @@ def resolved(**fields):
     for name, value in fields.items():
         setattr(action, name, value)
     return resolve_action(action, DEFAULT)
-
-
-def test_an_empty_action_leaves_the_defaults():
-    assert resolved() == DEFAULT
 
 
 @pytest.mark.parametrize(
@@ -80,11 +75,6 @@ def test_values_above_their_maximum_are_clamped():
     }
     desired = resolved(**dict.fromkeys(largest, 90.0))
     assert {name: getattr(desired, name) for name in largest} == largest
-
-
-@pytest.mark.parametrize("setting", ToeOff)
-def test_toe_off_is_taken_over(setting):
-    assert resolved(toe_off=int(setting)).toe_off is setting
 
 
 def params(use_spec=True, **fields):

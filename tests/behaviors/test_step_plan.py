@@ -14,7 +14,6 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
-from atlas_drake.rotations import rotation_z
 
 RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)
 HALF_WIDTH = 0.14
@@ -42,24 +41,6 @@ def step_of(feet, foot, ahead=0.0, aside=HALF_WIDTH, rise=0.0, **action):
     place = middle + np.array([ahead, outward(foot) * aside, rise])
     step = Footstep(1, foot, place, 0.0, 0.7, 0.1)
     return replace(step, action=StepAction(**action))
-
-
-def test_a_step_on_the_spot_is_planned_as_it_was_sent(planner, seen):
-    terms, feet = seen
-    for foot in (LEFT, RIGHT):
-        desired = step_of(feet, foot, knee_nominal=0.9)
-        plan = planner.plan(terms, feet, desired)
-        np.testing.assert_allclose(plan.taken.p_WF, desired.p_WF, atol=1e-9)
-        assert (plan.lean, plan.heel) == (0.0, 0.0)
-        stance = feet[1 - foot]
-        height = plan.height - stance.p_WF[2]
-        assert height == pytest.approx(planner.height(desired.action))
-        # Over the stance foot, a little to the inside.
-        inside = (plan.com - stance.p_WF[:2]) * [1.0, outward(foot)]
-        np.testing.assert_allclose(
-            inside, [0.0, desired.action.sway_end_dist], atol=1e-3
-        )
-        assert plan.ceiling > stance.p_WF[2] + 0.1
 
 
 def test_plans_of_both_feet_are_mirror_images(planner, seen):
@@ -134,22 +115,3 @@ def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
     # The heavier the robot, the farther it leans over the knee.
     assert leans == sorted(leans)
     assert leans[0] < leans[-1]
-
-
-@pytest.mark.parametrize("foot", [LEFT, RIGHT])
-@pytest.mark.parametrize("yaw", [0.0, 0.5])
-@pytest.mark.parametrize(("ahead", "aside"), [(0.4, 0.16), (-0.3, 0.2), (0.1, 0.3)])
-def test_a_step_is_shortened_towards_the_place_beside_the_other_foot(
-    planner, seen, foot, yaw, ahead, aside
-):
-    _, feet = seen
-    R_WS = rotation_z(yaw)
-    stance = FootPose(feet[1 - foot].p_WF, R_WS)
-    out = outward(foot) * np.array([0.0, 1.0, 0.0])
-    p_SF = np.array([ahead, 0.0, 0.0]) + (aside + HALF_WIDTH) * out
-    step = Footstep(1, foot, stance.p_WF + R_WS @ p_SF, yaw, 0.7, 0.1)
-    beside = min(aside + HALF_WIDTH, StanceConfig().width) * out
-    for share in (0.8, 0.4):
-        nearer = planner.shortened(step, stance, share)
-        way = R_WS.T @ (nearer.p_WF - stance.p_WF) - beside
-        np.testing.assert_allclose(way, share * (p_SF - beside), atol=1e-9)

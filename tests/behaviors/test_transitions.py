@@ -8,10 +8,7 @@ import pytest
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
-    EntryLimits,
-    Transition,
     legal_transitions,
-    refusal,
 )
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
@@ -188,44 +185,11 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     assert robot.status.error_code is ErrorCode.NO_ERRORS
 
 
-def test_the_dcm_is_that_of_a_pendulum_between_both_soles(make_tools, observe):
-    seen, balance = observe(speed=0.3), make_tools(0.9).balance
-    left, right = seen.terms.feet
-    higher = right._replace(p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
-    terms = dataclasses.replace(seen.terms, feet=(left, higher))
-    seen = dataclasses.replace(seen, terms=terms)
-    height = terms.com[2] - 0.5 * (left.p_WF[2] + higher.p_WF[2])
-    rest = terms.com[:2] + 0.3 * np.array([1.0, 0.0]) * np.sqrt(height / 9.81)
-    support = balance.support(seen.foot_pose(0), seen.foot_pose(1))
-    inside = -support.distance_outside(rest)
-    assert inside < -support.distance_outside(terms.com[:2])
-    for margin, answer in (
-        (inside - 1e-4, BehaviorStatus.OK),
-        (inside + 1e-4, BehaviorStatus.FAILED_TRANS_COM_VEL),
-    ):
-        limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
-        tools = dataclasses.replace(make_tools(height), entry_limits=limits)
-        stand, freeze = (
-            next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)
-            for behavior in (STAND, FREEZE)
-        )
-        asked = Transition(freeze, seen, tools, AtlasSimInterfaceCommand())
-        assert refusal(stand, asked) == (answer, "")
-
-
 def test_stand_ignores_the_speed_of_joints_under_user_control(make, observe):
     robot = make(USER)
     robot.ask(STAND)
     robot.tick(observe(joints={WRIST: 8.0}, users={WRIST: 1.0}))
     assert robot.status.current_behavior is STAND
-
-
-@pytest.mark.parametrize("target", [STAND_PREP, FREEZE, NONE, USER])
-def test_only_stand_has_conditions(make, observe, target):
-    robot = make(USER)
-    robot.ask(target)
-    robot.tick(observe(pitch=0.5, speed=0.8))
-    assert robot.status.current_behavior is target
 
 
 @pytest.mark.parametrize("source", [WALK, MANIPULATE])
@@ -241,14 +205,6 @@ def test_walk_and_manipulate_end_in_order_before_stand(make, observe, source):
     robot.ask(source)
     robot.tick(observe())
     assert robot.status.desired_behavior is source
-
-
-def test_a_request_is_handled_once(make, observe):
-    robot = make(STAND)
-    robot.ask(FREEZE)
-    for _ in range(5):
-        robot.tick(observe())
-    assert robot.texts("behavior") == ["STAND -> FREEZE"]
 
 
 def test_freeze_holds_the_joints_where_they_are(make, observe):
@@ -339,16 +295,6 @@ def test_in_damping_mode_stand_comes_before_walk(make, observe):
     robot.tick(observe())
     status = BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR | BehaviorStatus.ERROR_FALLING
     assert_refused(robot, STAND, WALK, status, code=ErrorCode.FAILED_TO_START_BEHAVIOR)
-
-
-def test_a_fall_event_names_its_sign(make, observe, model):
-    robot = make(STAND)
-    robot.tick(observe(pitch=1.0))
-    assert "pelvis tilted by 1.00 rad" in robot.texts("fall")[0]
-    low = make(STAND)
-    low.supervisor = Supervisor(model, ControllerConfig(), 2.0)
-    low.tick(observe())
-    assert "center of mass only" in low.texts("fall")[0]
 
 
 def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_message):

@@ -21,7 +21,6 @@ from atlas_drake.behaviors.walk.phases import (
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.steps import (
-    LOOK_AHEAD,
     look_ahead,
     subject,
     warnings_about,
@@ -74,39 +73,11 @@ def test_a_landing_error_does_not_reduce_the_next_step(short, ahead):
     assert texts(step_preview) == []
 
 
-def test_a_foot_far_from_its_place_does_shorten_the_next_step():
-    # A leg is only so long, wherever its step was planned from.
-    feet = (foot_at(LEFT), foot_at(RIGHT, -0.1))
-    aimed = (foot_at(LEFT), foot_at(RIGHT))
-    (taken,) = preview_of([step(1, LIMITS.forward)], feet, aimed).steps
-    assert taken.p_WF[0] == pytest.approx(-0.1 + LIMITS.forward + SLACK.distance)
-
-
 def test_turns_count_from_the_heading_that_was_planned_too():
     feet = (foot_at(LEFT), foot_at(RIGHT, yaw=-0.03))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
     (taken,) = preview_of([step(1, yaw=LIMITS.toe_out)], feet, aimed).steps
     assert taken.yaw == pytest.approx(LIMITS.toe_out)
-
-
-def test_limits_also_count_from_where_the_foot_is():
-    # As for those who plan from where the feet are reported to be.
-    feet = (foot_at(LEFT), foot_at(RIGHT, 0.015, yaw=0.03))
-    aimed = (foot_at(LEFT), foot_at(RIGHT))
-    x, y = 0.015, -HALF_WIDTH
-    x += LIMITS.forward * math.cos(0.03) - 0.2 * math.sin(0.03)
-    y += LIMITS.forward * math.sin(0.03) + 0.2 * math.cos(0.03)
-    goal = step(1, x - 1e-9, y=y, yaw=0.03 + LIMITS.toe_out - 1e-9)
-    assert texts(preview_of([goal], feet, aimed)) == []
-
-
-def test_steps_are_saturated_one_from_the_other():
-    step_preview = preview_of([step(i + 1, 1.0 * (i + 1)) for i in range(6)])
-    assert [taken.index for taken in step_preview.steps] == list(
-        range(1, LOOK_AHEAD + 1)
-    )
-    places = [taken.p_WF[0] for taken in step_preview.steps]
-    np.testing.assert_allclose(np.diff([0.0, *places]), LIMITS.forward)
 
 
 def test_the_step_in_the_air_is_where_the_next_one_begins():

@@ -114,15 +114,6 @@ def test_a_small_error_changes_neither_place_nor_time():
     assert remaining == REMAINING
 
 
-def test_an_error_within_reach_moves_the_place_and_not_the_time():
-    step, remaining = touchdown([0.12, 0.0])
-    assert remaining == REMAINING
-    shift = step_shift(
-        np.array([0.12, 0.0]), REMAINING, OMEGA, SENSITIVITY, STANCE, LIMITS
-    )
-    np.testing.assert_allclose(step.p_WF[:2], STEP.p_WF[:2] + shift, atol=1e-12)
-
-
 @pytest.mark.parametrize("error", [(0.2, 0.0), (0.0, -0.12)])
 def test_an_error_out_of_reach_hastens_the_swing(error):
     step, remaining = touchdown(error)

@@ -70,15 +70,6 @@ def target(request):
     return step_to(z=LEVEL + request.param)
 
 
-@pytest.mark.parametrize("duration", [0.3, 1.5])
-def test_lifts_off_from_where_the_foot_is_at_rest(start, target, duration):
-    _, references = swing_through(start, lambda _: target, 1, duration=duration)
-    first = references[0]
-    np.testing.assert_allclose(first.p_WF, start.p_WF, atol=1e-3)
-    np.testing.assert_allclose(first.v_WF, 0.0, atol=0.05)
-    np.testing.assert_allclose(first.R_WF, start.R_WF, atol=1e-2)
-
-
 def test_lands_at_the_target_at_its_speed(start, target):
     _, references = swing_through(start, lambda _: target, SWING_TICKS)
     last = references[-1]

@@ -158,23 +158,6 @@ def test_internal_contact_forces_and_moments_meet_their_target(
     np.testing.assert_array_equal(alone.G, np.zeros((3, 6)))
 
 
-def test_a_posture_among_the_tasks_is_as_good_as_the_commands_own(
-    robot, qp, bounds, terms
-):
-    random = np.random.default_rng(1)
-    n = robot.num_joints
-    target, weight = random.normal(size=n), random.uniform(0.1, 1.0, n)
-    least = PostureTask(np.zeros(n), np.full(n, 1e-9))
-    feet = FrameTask(HAND, np.ones(6), 10.0)
-    own = WholeBodyCommand(PostureTask(target, weight), (feet,), soles(robot))
-    listed = WholeBodyCommand(least, (feet,), soles(robot))
-    one = qp.solve(terms, own, bounds)
-    other = qp.solve(terms, listed.plus(PostureTask(target, weight)), bounds)
-    np.testing.assert_allclose(
-        other.joint_acceleration, one.joint_acceleration, atol=1e-5
-    )
-
-
 @dataclasses.dataclass(frozen=True)
 class SumTask(Task):
     """A user's own: rows on accelerations and wrenches at once."""

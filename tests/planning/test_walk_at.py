@@ -107,25 +107,6 @@ def test_sideways_begins_with_the_foot_on_that_side(standing, name, sign):
     assert y == pytest.approx(sign * 4 * 0.5 * GAIT.stride)
 
 
-@pytest.mark.parametrize(("name", "sign"), [("turn left", 1.0), ("turn right", -1.0)])
-def test_turning_stays_on_the_spot(standing, name, sign):
-    follow(standing, VELOCITIES[name], count=8)
-    x, y, _ = middle(standing)
-    assert math.hypot(x, y) < 0.02
-    assert foothold(standing.foot_pos_est[0]).yaw == pytest.approx(
-        sign * 7.5 * GAIT.turn, abs=GAIT.turn
-    )
-
-
-@pytest.mark.parametrize(("name", "sign"), [("arc left", 1.0), ("arc right", -1.0)])
-def test_arcs_curve_to_their_side(standing, name, sign):
-    follow(standing, VELOCITIES[name])
-    x, y, yaw = middle(standing)
-    assert x > 0.5
-    assert sign * y > 0.3
-    assert sign * yaw > 1.0
-
-
 @pytest.mark.parametrize("velocity", VELOCITIES.values(), ids=VELOCITIES)
 @pytest.mark.parametrize(
     "gait", [GAIT, Gait(duration=1.2, swing_height=0.25), Gait(stride_change=0.05)]
@@ -181,13 +162,6 @@ def test_what_the_robot_already_does_is_not_sent_again(standing):
     assert walk_at(standing, AHEAD, turn=0.1) is not None
     steps[0].pose.position.x += 0.05  # Balance has moved it.
     assert walk_at(standing, AHEAD) is not None
-
-
-def test_a_step_lands_beside_where_the_one_before_is_reported_to_land(standing):
-    steps = steps_of(walk_at(standing))
-    steps[0].pose.position.x = 0.3
-    steps = steps_of(walk_at(walking(standing, steps[:1]), gait=Gait(stride_change=1)))
-    assert steps[0].pose.position.x == pytest.approx(0.3)
 
 
 def test_a_change_of_velocity_goes_through_shorter_strides(standing):
