@@ -83,6 +83,11 @@ def with_times(sequence):
         yield kind, step, end - duration, end
 
 
+def test_a_step_takes_its_duration():
+    assert TIMING.transfer(0.8) == pytest.approx(TIMING.transfer_share * 0.8)
+    assert TIMING.transfer(0.8) + TIMING.swing(0.8) == pytest.approx(0.8)
+
+
 @pytest.mark.parametrize("swinging", [False, True])
 def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, swinging):
     plan = plan_walk(cop, FIRST, feet, steps, swinging, CONFIG, OMEGA)

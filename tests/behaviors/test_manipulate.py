@@ -144,6 +144,12 @@ def test_manipulate_takes_over_from_stand_and_back_without_a_jump(
             )
 
 
+def test_home_is_the_pose_of_stand(start, observe):
+    terms = observe().terms
+    height = terms.p_WP[2] - terms.feet[0].p_WF[2]
+    assert start(asked(use_desired=False)).state.home.height == pytest.approx(height)
+
+
 def test_messages_change_the_goal_and_no_desired_keeps_it(start, observe):
     robot = start(asked(pelvis_height=0.85))
     robot.tick(observe(), asked(pelvis_height=0.83))

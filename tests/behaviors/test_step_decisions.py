@@ -332,17 +332,6 @@ def test_the_event_at_the_end_names_the_steps_left_out(step, observe):
     assert tick(step, done, seen, command, leaving=True).events == ()
 
 
-def test_status_flags_tell_weight_shift_from_swing(step, observe):
-    seen, command = observe(), request()
-    state = shifting(step, seen, command)
-    for phase, flag in (
-        (StepShift, StepStatus.SUBSTATE_SWAYING),
-        (StepSwing, StepStatus.SUBSTATE_STEPPING),
-    ):
-        now = in_phase(phase, state, elapsed=0.0)
-        assert tick(step, now, seen, command).status_flags == flag
-
-
 def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
     state = shifting(step, observe(), request())
     goal, swing = state.step.pose, state.swing
@@ -361,15 +350,6 @@ def raised(state, foot, rise):
     p_WF = feet[foot].p_WF + np.array([0.0, 0.0, rise])
     feet[foot] = FootPose(p_WF, feet[foot].R_WF)
     return replace(state, feet=tuple(feet))
-
-
-@pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
-    state = entered(step, observe(), request())
-    state = raised(state, 1 - foot, 0.05)
-    progress = replace(state.progress, request=request(foot=foot))
-    desired = step.tools.requested(replace(state, progress=progress))
-    assert desired.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

@@ -14,6 +14,7 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
+from atlas_drake.rotations import rotation_z
 
 RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)
 HALF_WIDTH = 0.14
@@ -115,3 +116,16 @@ def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
     # The heavier the robot, the farther it leans over the knee.
     assert leans == sorted(leans)
     assert leans[0] < leans[-1]
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_step_is_shortened_towards_the_place_beside_the_other_foot(
+    planner, seen, foot
+):
+    stance = FootPose(seen[1][1 - foot].p_WF, rotation_z(0.5))
+    side = outward(foot) * np.array([0.0, 1.0, 0.0])
+    far, beside = np.array([0.4, 0.0, 0.0]) + 0.3 * side, StanceConfig().width * side
+    step = Footstep(1, foot, stance.p_WF + stance.R_WF @ far, 0.5, 0.7, 0.1)
+    nearer = planner.shortened(step, stance, 0.4)
+    way = stance.R_WF.T @ (nearer.p_WF - stance.p_WF) - beside
+    np.testing.assert_allclose(way, 0.4 * (far - beside), atol=1e-9)

@@ -8,7 +8,10 @@ import pytest
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
+    EntryLimits,
+    Transition,
     legal_transitions,
+    refusal,
 )
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
@@ -185,6 +188,27 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     assert robot.status.error_code is ErrorCode.NO_ERRORS
 
 
+@pytest.mark.parametrize("name", ["com_inside", "dcm_inside"])
+def test_stand_takes_over_within_its_margins(make_tools, observe, name):
+    tools, seen = make_tools(0.9), observe()
+    support = tools.balance.support(*seen.foot_poses)
+    inside = -support.distance_outside(seen.terms.com[:2])  # At rest, also the DCM.
+    entries = {entry.behavior: entry for entry in SHIPPED_ENTRIES}
+    for margin, flag in (
+        (inside - 1e-4, BehaviorStatus.OK),
+        (
+            inside + 1e-4,
+            BehaviorStatus.FAILED_TRANS_COM_POS
+            if name == "com_inside"
+            else BehaviorStatus.FAILED_TRANS_COM_VEL,
+        ),
+    ):
+        limits = dataclasses.replace(EntryLimits(), **{name: margin})
+        now = dataclasses.replace(tools, entry_limits=limits)
+        asked = Transition(entries[FREEZE], seen, now, AtlasSimInterfaceCommand())
+        assert refusal(entries[STAND], asked) == (flag, "")
+
+
 def test_stand_ignores_the_speed_of_joints_under_user_control(make, observe):
     robot = make(USER)
     robot.ask(STAND)
@@ -275,26 +299,6 @@ def test_behaviors_on_feet_refuse_a_lying_robot(make, observe, source, target):
     assert report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
     assert robot.command is None
     assert len(robot.texts("refusal")) == 1
-
-
-def test_the_same_behavior_can_begin_again_after_a_fall(make, observe):
-    robot = make(STAND_PREP)
-    robot.tick(observe(pitch=1.0))
-    robot.ask(STAND_PREP)
-    robot.tick(observe())
-    assert robot.texts("behavior") == ["STAND_PREP -> STAND_PREP"]
-    flags = robot.status.behavior_feedback.status_flags
-    assert flags == BehaviorStatus.TRANSITION_SUCCESS
-    assert robot.command is not None
-
-
-def test_in_damping_mode_stand_comes_before_walk(make, observe):
-    robot = make(STAND)
-    robot.tick(observe(pitch=1.0))
-    robot.ask(WALK)
-    robot.tick(observe())
-    status = BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR | BehaviorStatus.ERROR_FALLING
-    assert_refused(robot, STAND, WALK, status, code=ErrorCode.FAILED_TO_START_BEHAVIOR)
 
 
 def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_message):

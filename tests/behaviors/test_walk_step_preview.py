@@ -170,17 +170,6 @@ def test_every_saturation_gives_one_warning(goal, text):
     assert texts(step_preview, frozenset([subject(event)])) == []
 
 
-def test_a_warning_of_pace_does_not_hide_one_of_reach():
-    (pace,) = warnings_about(preview_of([step(1, swing_height=0.0)]), frozenset(), 0.0)
-    far = preview_of([step(1, 1.0, swing_height=0.0)])
-    (news,) = warnings_about(far, frozenset([subject(pace)]), 0.0)
-    assert news.data["error_m"] == pytest.approx(0.58)
-
-
-def test_a_step_within_reach_gives_no_warning():
-    assert texts(preview_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
-
-
 @pytest.mark.parametrize(
     ("x", "yaw", "warned"),
     [(0.0009, 0.0, 0), (0.001, 0.0, 1), (0.0, 0.0099, 0), (0.0, -0.0101, 1)],

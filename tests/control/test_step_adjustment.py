@@ -136,6 +136,7 @@ def test_a_step_for_balance_may_be_longer_but_stays_in_reach_of_the_legs():
     wide = limits.extended(LIMITS.stretch)
     assert wide.forward == pytest.approx(0.4 + LIMITS.stretch)
     assert wide.width == pytest.approx((0.18, 0.5 + LIMITS.stretch))
+    assert limits.extended(0.0, 0.02).width == pytest.approx((0.16, 0.5))
     far = Footstep(1, LEFT, np.array([0.5, 0.5, 0.02]), 0.0, 0.63, 0.1)
     near = within_reach(far, STANCE, 0.6)
     ahead = near.p_WF - STANCE.p_WF

@@ -110,19 +110,6 @@ def test_apex_counts_from_the_middle_of_the_ends(start, target):
     assert highest - middle == pytest.approx(target.swing_height, abs=0.01)
 
 
-def test_rises_before_it_goes_ahead(start, target):
-    _, references = swing_through(start, lambda _: target, SWING_TICKS)
-    p = stacked(references, "p_WF")
-    still = round(PROFILE.lift_time / DT) - 1
-    np.testing.assert_array_equal(p[:still, :2], p[:still, :2] * 0.0 + start.p_WF[:2])
-    if target.p_WF[2] == start.p_WF[2]:
-        highest = int(p[:, 2].argmax()) * DT
-        assert highest == pytest.approx(PROFILE.apex * DURATION, abs=0.03)
-    moved = np.hypot(*(p[:, :2] - start.p_WF[:2]).T)
-    # One centimeter ahead, the sole is above bricks of two.
-    assert p[np.argmax(moved > 0.01), 2] > start.p_WF[2] + 0.02
-
-
 @pytest.mark.parametrize("at", [20, 100, 200])
 def test_a_hastened_swing_lands_sooner_and_goes_on_where_it_is(start, target, at):
     swing, references = swing_through(start, lambda _: target, at)

@@ -259,12 +259,15 @@ def test_normal_force_keeps_to_its_bounds(robot, qp, bounds, standing):
     assert wrenches_on(robot, solution)[0, 5] >= 8.0 * share - 1e-5
 
 
-def test_joints_beyond_their_limits_are_turned_back(model, robot, qp, bounds, standing):
+@pytest.mark.parametrize("beyond", [0.05, -0.01])
+def test_joints_near_or_beyond_their_limits_are_turned_back(
+    model, robot, qp, bounds, standing, beyond
+):
     knee = robot.joint_index("l_leg_kny")
     state = np.zeros(model.num_states)
     state[0] = 1.0
     q = standing.q.copy()
-    q[knee] = robot.position_upper[knee] + 0.05
+    q[knee] = robot.position_upper[knee] + beyond
     state[robot.indices(model.plant).q] = q
     terms = model.evaluate(model.create_context(), state)
     wish = np.zeros(robot.num_joints)

@@ -231,19 +231,6 @@ def test_a_turn_goes_its_way_round_on_the_spot(angle):
     assert_ends_at(taken(report, steps), 1.0, -1.0, 0.4 + angle)
 
 
-@pytest.mark.parametrize(
-    "steps",
-    [
-        steps_ahead(standing(1.0, 2.0, 0.5), 0.0),
-        steps_turning(standing(1.0, 2.0, 0.5), 0.0),
-        steps_to(standing(1.0, 2.0, 0.5), 1.0, 2.0, 0.5),
-    ],
-    ids=["ahead", "turning", "to"],
-)
-def test_no_way_to_go_is_no_step(steps):
-    assert steps == []
-
-
 def test_feet_apart_are_put_side_by_side_even_where_they_are():
     report = report_of((0.3, 0.12, 0.0), (0.0, -0.12, 0.0))
     assert_ends_at(taken(report, steps_ahead(report, 0.0)), 0.15, 0.0, 0.0)
@@ -365,12 +352,6 @@ def test_a_stream_ends_with_a_walk_that_ends_early_or_never_begins():
     assert stream.next_command(later) is None
     assert StepStream([]).is_over(later)
     assert StepStream([]).next_command(later) is None
-
-
-def test_a_stream_needs_steps_counted_from_one():
-    steps = steps_ahead(standing(), 1.0)
-    with pytest.raises(ValueError, match=r"steps\[0\].step_index is 2, and not 1"):
-        StepStream(steps[1:])
 
 
 @pytest.mark.slow
