@@ -22,11 +22,13 @@ from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
 
@@ -363,12 +365,20 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     level = height(state)
     up = height(raised(state, foot, 0.01))
     assert up == pytest.approx(level + 0.005)
+    # Its heading is between theirs, too.
+    feet = list(state.feet)
+    feet[foot] = FootPose(feet[foot].p_WF, rotation_z(0.2))
+    turned = replace(state, feet=tuple(feet))
+    target = step.tools.body_target(turned, step.control(turned).reach(turned))
+    assert target.yaw == pytest.approx(0.1, abs=1e-3)
 
 
 @pytest.mark.parametrize("speed", [0.0, RULES.rest_speed + 0.01])
 def test_a_step_cut_short_ends_at_rest(step, observe, speed):
     command = request()
     state = shifting(step, observe(), command)
+    flying = in_phase(StepSwing, state, elapsed=0.1)
+    assert not tick(step, flying, observe(), command, leaving=True).finished
     for elapsed in (-0.1, 0.1):
         landed = in_phase(Rest, state, elapsed=state.shift.duration + elapsed)
         cut_short = replace(landed, progress=replace(landed.progress, leaving=True))
@@ -458,6 +468,15 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
     ahead = state.feet[LEFT].p_WF[:2] + length
     assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
     assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
+    # The legs have to reach the sole as it is now, and raised in full at lift-off.
+    rising = replace(state, elapsed=0.8 * end)
+    reach, half = shift.reach(rising), step.tools.planner.half_length
+    for pose, angle in (
+        (reach.now[LEFT], rising.heel_motion(0.5)[0]),
+        (reach.later[LEFT][1], 0.3),
+    ):
+        expected = on_toes(state.feet[LEFT], angle, half)
+        np.testing.assert_allclose(pose.p_WF, expected.p_WF, atol=1e-12)
     # Its contact moves to the toes while the heel is up.
     whole, toes = (
         commanded(step, replace(state, elapsed=time, touchdown_foot=None), observe())[
