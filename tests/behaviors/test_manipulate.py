@@ -212,6 +212,16 @@ def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
     np.testing.assert_allclose(robot.body.joints[back], straight, atol=1e-12)
 
 
+@pytest.mark.parametrize(("moved", "again"), [(0.008, False), (0.012, True)])
+def test_arms_that_reach_out_clamp_the_pose_again(start, observe, moved, again):
+    request = asked(pelvis_height=0.85)
+    robot = start(request)
+    upper = robot.state.upper + np.array([0.0, 0.6, -0.8]) * moved
+    robot.state = dataclasses.replace(robot.state, upper=upper)
+    robot.tick(observe(), request)
+    assert (robot.state.upper is not upper) == again
+
+
 def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     request = asked(pelvis_height=0.85)
     robot = start(request)

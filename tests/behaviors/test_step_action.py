@@ -152,8 +152,9 @@ def test_the_plain_form_counts_its_apex_from_between_the_footholds():
 def stance(ahead, yaw=0.0):
     """Feet of which the right one is ``ahead`` [m] of the left one."""
     R_WF = rotation_z(yaw)
-    right = R_WF @ np.array([ahead, -0.25, 0.0])
-    return FootPose(np.zeros(3), R_WF), FootPose(right, R_WF)
+    left = np.array([1.0, -2.0, 0.0])
+    right = left + R_WF @ np.array([ahead, -0.25, 0.0])
+    return FootPose(left, R_WF), FootPose(right, R_WF)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 2.0])

@@ -219,6 +219,16 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
 
 
+def test_a_foot_that_landed_is_pressed_in_the_first_part_of_the_shift(step, observe):
+    seen = observe()
+    rest = entered(step, seen, request())
+    rest = replace(rest, shift=replace(rest.shift, duration=2.0), touchdown_foot=LEFT)
+    for share, pressed in ((0.35, True), (0.45, False)):
+        feet = commanded(step, replace(rest, shift_time=2.0 * share), seen)
+        assert (feet[LEFT].min_normal_force > 0.0) == pressed
+        assert feet[RIGHT].min_normal_force == 0.0
+
+
 def test_an_unloaded_foot_is_loaded_again_when_the_cop_needs_it(step, observe, balance):
     seen = observe()
     state = shifting(step, seen, request(foot=LEFT))
@@ -274,6 +284,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_gives_an_event(
     done = replace(settling, elapsed=RULES.settle)
     outcome = tick(step, done, observe(), command)
     assert isinstance(outcome.state, Rest)
+    assert (outcome.state.touchdown_foot, outcome.state.lean) == (foot, 0.0)
     (event,) = outcome.events
     at_rest = observe().foot_pose(foot).p_WF
     miss = 1e3 * np.hypot(*(at_rest - state.step.p_WF)[:2])

@@ -24,6 +24,7 @@ from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
 
@@ -391,6 +392,20 @@ def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
     )
     for phase in (landed, begun):
         assert isinstance(leave(phase), FinalTransfer)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_body_rises_and_turns_with_either_foot(walk, observe, walk_message, foot):
+    seen, request = observe(), as_request(walk_message())
+    body = capture_body(seen.terms)
+    phase = walk.enter(seen, body, request)
+    feet = list(phase.progress.feet)
+    feet[foot] = FootPose(raised(feet[foot], 0.1).p_WF, rotation_z(0.3))
+    phase = replace(phase, progress=replace(phase.progress, feet=tuple(feet)))
+    level = walk.update(walk.enter(seen, body, request), seen, body, request, False)
+    after = walk.update(phase, seen, body, request, leaving=False)
+    assert after.body.height > level.body.height
+    assert after.body.yaw > level.body.yaw
 
 
 def test_steps_of_a_message_end_the_demonstration(walk, observe, walk_message):

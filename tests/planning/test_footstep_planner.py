@@ -26,7 +26,7 @@ from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.messages import WalkStatus
-from atlas_drake.messages.footstep import FootPose
+from atlas_drake.messages.footstep import LEFT, FootPose
 from atlas_drake.rotations import mean_yaw, rotation_z, wrap_angle
 
 LIMITS = StepLimits()
@@ -180,7 +180,9 @@ def strides(steps):
 @pytest.mark.parametrize("distance", [3.0, -3.0])
 def test_a_walk_gains_and_loses_its_speed_step_by_step(distance):
     gait = Gait(stride=0.3, stride_change=0.08)
-    taken_strides = strides(steps_ahead(standing(), distance, gait))
+    steps = steps_ahead(standing(), distance, gait)
+    assert steps[0].foot_index == LEFT
+    taken_strides = strides(steps)
     longest = gait.stride if distance > 0.0 else gait.backward_stride
     assert sum(taken_strides) == pytest.approx(distance)
     assert max(map(abs, taken_strides)) == pytest.approx(longest, rel=0.1)
