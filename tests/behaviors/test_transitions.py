@@ -241,12 +241,15 @@ def test_freeze_holds_the_joints_where_they_are(make, observe):
     np.testing.assert_array_equal(np.delete(desired, moving), np.zeros(27))
 
 
-def test_freeze_stands_before_any_force_was_measured(make, observe):
+def test_freeze_stands_on_soles_that_carry(make, observe, model):
     robot = make(FREEZE)
     robot.tick(dataclasses.replace(observe(), foot_force=np.full(2, np.nan)))
     assert len(robot.command.contacts) == 2
-    robot.tick(dataclasses.replace(observe(), foot_force=np.zeros(2)))
-    assert robot.command.contacts == ()
+    weight = 9.81 * model.robot.mass
+    for share, count in ((0.03, 2), (0.01, 0), (0.0, 0)):
+        force = np.full(2, share * weight)
+        robot.tick(dataclasses.replace(observe(), foot_force=force))
+        assert len(robot.command.contacts) == count
 
 
 @pytest.mark.parametrize("behavior", LEGAL, ids=lambda behavior: behavior.name)
@@ -308,6 +311,7 @@ def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_m
     robot.tick(observe())
     coming = list(robot.status.feedback.step_queue_saturated)
     assert [step.step_index for step in coming] == [1, 2, 3, 4]
+    assert [step.index for step in robot.status.plan.footsteps] == [1, 2, 3, 4]
     other = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     other.walk_params.use_demo_walk = True
     robot.send(other)
