@@ -59,7 +59,8 @@ class Reach:
 class StepTools:
     """Plans weight shifts and steps, and commands the feet. Holds constants only."""
 
-    def __init__(self, tools: BehaviorTools, config: StepConfig):
+    def __init__(self, tools: BehaviorTools, config: StepConfig, default: StepAction):
+        """Takes the values of a step that a message leaves open from ``default``."""
         self.balance = tools.balance
         self.rules = config.rules
         self.profile = config.swing
@@ -68,7 +69,7 @@ class StepTools:
             self.balance, self._nominal_height, config.limits, config.posture
         )
         self._gait = tools.gait
-        self._default = StepAction(knee_nominal=self.planner.nominal_knee)
+        self._default = replace(default, knee_nominal=self.planner.nominal_knee)
 
     def omega(self, observation: Observation, feet: tuple[FootPose, ...]) -> float:
         """Computes the natural frequency of the pendulum on ``feet`` [1/s]."""

@@ -29,7 +29,7 @@ class WalkProgress:
     """Feet and steps of a walk in any phase."""
 
     feet: tuple[FootPose, FootPose]  # Poses of the soles, the last ones on the ground
-    aimed: tuple[FootPose, FootPose]  # Commanded landing poses; at first, the poses
+    aimed: tuple[FootPose, FootPose]  # Landing poses aimed at; at first, ``feet``
     pending: tuple[Footstep, ...]  # Steps not begun, by index
     next_index: int  # Index of the next step to begin
     request: BehaviorRequest  # The last request whose steps were read
