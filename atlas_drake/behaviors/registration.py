@@ -24,7 +24,7 @@ def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
     for entry in own:
         if not isinstance(entry, BehaviorEntry):
             raise BehaviorError(
-                f"behaviors must be a list of BehaviorEntry values, has {shown(entry)}"
+                f"behaviors must be BehaviorEntry values, has {shown(entry)}"
             )
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
     names = [entry.name for entry in catalog]

@@ -109,19 +109,12 @@ def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand
 
 
 class Pace(NamedTuple):
-    """Steps of a velocity.
+    """Steps of a velocity."""
 
-    Attributes:
-        gait: Gait with the duration of the steps.
-        stride: Distance ahead of each step [m].
-        shift: Side step to the left of each pair of steps [m].
-        turn: Turn to the left of each step [rad].
-    """
-
-    gait: Gait
-    stride: float
-    shift: float
-    turn: float
+    gait: Gait  # With the duration of the steps
+    stride: float  # Distance ahead of each step [m]
+    shift: float  # Side step to the left of each pair of steps [m]
+    turn: float  # Turn to the left of each step [rad]
 
 
 def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:

@@ -25,7 +25,7 @@ from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import mean_yaw
 
-LEAST = {
+MIN_VALUES = {
     "sway_duration": 0.2,
     "swing_height": 0.1,
     "lift_height": 0.1,
@@ -61,7 +61,7 @@ def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAc
         if name in ("sway_end_dist", "step_end_dist"):
             counts = abs(value) <= MAX_END_DISTANCE
         else:
-            counts = value > 0.0 and value >= LEAST.get(name, 0.0)
+            counts = value > 0.0 and value >= MIN_VALUES.get(name, 0.0)
         value = value if counts else getattr(default, name)
         bounded[name] = min(max(value, -largest), largest)
     return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))

@@ -66,7 +66,8 @@ class OdometryState(Frozen):
 
     All noise is the same in all directions, so that one covariance does for the three
     axes; strictly that holds while the pelvis does not turn, by which the bias turns in
-    W, but the bias is known before a robot has turned far."""
+    W, but the bias is known before a robot has turned far.
+    """
 
     q_WP: np.ndarray  # Orientation of the pelvis, unit quaternion, shape (4,)
     mean: np.ndarray  # Rows p_WI, v_WI, bias in P [m/s²], p_WF left and right; (5, 3)
