@@ -20,7 +20,11 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
     """Returns the entries of the user's own behaviors after checking every field."""
-    own = tuple(behaviors) if isinstance(behaviors, Iterable) else (behaviors,)
+    if not isinstance(behaviors, Iterable):
+        raise BehaviorError(
+            f"behaviors must be a list of BehaviorEntry values, is {shown(behaviors)}"
+        )
+    own = tuple(behaviors)
     for entry in own:
         if not isinstance(entry, BehaviorEntry):
             raise BehaviorError(
