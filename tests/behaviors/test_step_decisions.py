@@ -131,6 +131,18 @@ def test_a_rise_at_the_limit_is_taken_despite_rounding_of_the_soles_height(
     assert ("out of reach" in str(outcome.events)) != taken
 
 
+def test_a_foot_is_lifted_no_higher_than_its_leg_folds(step, observe):
+    command = request(x=0.1)
+    action = command.command.step_params.desired_step_spec.action
+    action.lift_height = action.swing_height = 0.2
+    action.knee_nominal = 0.9
+    taken = shifting(step, observe(), command).step
+    assert 0.1 < taken.action.lift_height <= 0.2
+    rise = taken.action.lift_height + taken.action.swing_height
+    assert rise < 0.35
+    assert taken.swing_height == pytest.approx(rise, abs=0.01)
+
+
 @pytest.mark.parametrize("speed", [0.45, -0.45])
 def test_no_weight_shift_begins_while_the_robot_tips(step, observe, speed):
     seen, command = observe(speed=speed), request()

@@ -299,6 +299,13 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
     request = as_request(walk_message(*steps))
     read = walk.update(phase, seen, body, request, leaving=False).state
     assert read.progress.warned == {(1, "place")}
+    # A step out of reach is warned of when its message comes, and once.
+    steps[1] = (2, RIGHT, 2.0, -0.14)
+    request = as_request(walk_message(*steps))
+    later = replace(phase, elapsed=0.1)
+    outcome = walk.update(later, seen, body, request, leaving=False)
+    assert [event.data["index"] for event in outcome.events] == [2]
+    assert walk.update(outcome.state, seen, body, request, False).events == ()
     assert [step.p_WF[0] for step in read.progress.pending] == [0.2, 0.3]
 
 

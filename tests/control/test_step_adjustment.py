@@ -16,6 +16,7 @@ from atlas_drake.control.balance.step_adjustment import (
     within_reach,
 )
 from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
@@ -80,13 +81,13 @@ def state_with(error):
     )
 
 
-def touchdown(error, progress=0.2, **limits):
+def touchdown(error, progress=0.2, adjustment=LIMITS, **limits):
     return touchdown_for_balance(
         STEP,
         state_with(np.array(error)),
         progress,
         np.array([0.0, 0.15]),
-        LIMITS,
+        adjustment,
         StepLimits(**limits),
     )
 
@@ -123,6 +124,15 @@ def test_an_error_out_of_reach_hastens_the_swing(error):
     # Late in the swing there is less to win.
     _, late = touchdown(error, progress=0.9)
     assert late <= remaining
+
+
+def test_a_swing_is_hastened_the_less_the_more_haste_costs():
+    times = [
+        touchdown([0.2, 0.0], adjustment=replace(LIMITS, haste_cost=cost))[1]
+        for cost in (0.0, 0.5, 50.0)
+    ]
+    assert times == sorted(times)
+    assert times[0] < times[-1] == REMAINING
 
 
 def test_a_foot_far_from_its_place_is_not_hastened_beyond_its_speed():

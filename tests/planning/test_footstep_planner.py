@@ -233,6 +233,12 @@ def test_a_turn_goes_its_way_round_on_the_spot(angle):
     assert_ends_at(taken(report, steps), 1.0, -1.0, 0.4 + angle)
 
 
+def test_no_way_to_go_is_no_step():
+    report = standing(1.0, 2.0, 0.5)
+    assert steps_ahead(report, 0.0) == steps_turning(report, 0.0) == []
+    assert steps_to(report, 1.0, 2.0, 0.5) == []
+
+
 def test_feet_apart_are_put_side_by_side_even_where_they_are():
     report = report_of((0.3, 0.12, 0.0), (0.0, -0.12, 0.0))
     assert_ends_at(taken(report, steps_ahead(report, 0.0)), 0.15, 0.0, 0.0)

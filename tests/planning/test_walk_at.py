@@ -157,6 +157,10 @@ def test_a_step_that_has_begun_no_longer_changes(standing):
 
 
 def test_what_the_robot_already_does_is_not_sent_again(standing):
+    turning = walk_at(standing, turn=TURN)
+    assert turning.walk_params.use_relative_step_height
+    assert walk_at(walking(standing, steps_of(turning)), turn=TURN) is None
+    standing.current_behavior = Behavior.STAND
     steps = steps_of(walk_at(standing, AHEAD))
     assert walk_at(walking(standing, steps), AHEAD) is None
     assert walk_at(standing, AHEAD, turn=0.1) is not None
