@@ -510,7 +510,10 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
     assert whole.patch.corners[:, 0].min() < -0.05
     assert toes.patch.corners[:, 0].min() > 0.05
     assert shift.are_both_flat(replace(state, elapsed=begins))
-    assert not shift.are_both_flat(replace(state, elapsed=0.9 * end))
+    for elapsed in (0.9 * end, end):
+        now = replace(state, elapsed=elapsed)
+        assert not shift.are_both_flat(now)
+        assert shift.support(now).distance_outside(behind) > 0.0
 
 
 @pytest.fixture

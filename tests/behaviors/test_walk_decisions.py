@@ -9,7 +9,7 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.walk.both_feet import steps_left_out
+from atlas_drake.behaviors.walk.both_feet import is_dcm_lost, steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig, WalkRules
 from atlas_drake.behaviors.walk.gait import stance_cop
 from atlas_drake.behaviors.walk.phases import (
@@ -20,6 +20,7 @@ from atlas_drake.behaviors.walk.phases import (
 )
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body import ComTask
@@ -213,6 +214,18 @@ def test_a_moved_step_leaves_the_error_that_the_ankles_can_hold(
             seen = observe(above=phase.planned.dcm + np.eye(2)[axis] * final / growth)
             moved = adjusted(walk, phase, seen)
             assert (moved.plan is not phase.plan) == moves
+
+
+def test_a_dcm_is_lost_beyond_what_is_planned(walk, observe, walk_message):
+    request = as_request(walk_message((1, LEFT, 0.2, 0.14)))
+    phase = shifting(walk, observe(), request, 0.0)
+    planned = phase.planned.dcm
+    # The plan itself is 4 cm outside of this region.
+    corners = np.array([[-1.0, -1.0], [-0.04, -1.0], [-0.04, 1.0], [-1.0, 1.0]])
+    phase = replace(phase, support=SupportPolygon(planned + corners))
+    for ahead, lost in ((-0.06, False), (0.0, False), (0.02, False), (0.04, True)):
+        seen = observe(above=planned + np.array([ahead, 0.0]))
+        assert is_dcm_lost(phase, seen, 0.03) == lost
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
