@@ -1,9 +1,5 @@
 """Walking on uneven ground: up and down a step, and over tilted footholds."""
 
-import math
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
@@ -18,13 +14,11 @@ from atlas_drake import (
     Vector3,
 )
 from atlas_drake.control.estimation.attitude import rotation_matrix
-from atlas_drake.rotations import rotation_with_normal
 from atlas_drake.scenario import Jitter, Start
-from atlas_drake.scenario.terrain import Block, surface_height
+from atlas_drake.scenario.terrain import Block
 
 pytestmark = pytest.mark.slow
 
-EXAMPLE = Path(__file__).parents[1] / "examples/10_obstacles.py"
 
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
@@ -123,56 +117,6 @@ def test_tilted_footholds(walk):
         normal = rotation_matrix(pose.orientation.to_wxyz())[:, 2]
         expected = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix().matrix()[:, 2]
         np.testing.assert_allclose(normal, expected, atol=0.02)
-
-
-@pytest.mark.parametrize("world", ["ramp", "blocks"])
-def test_over_the_obstacle_of_a_world(world):
-    example = runpy.run_path(str(EXAMPLE))
-    scenario = Scenario(world=world)
-    sim = AtlasSimulation(scenario)
-    steps = example["steps_over"](sim.scenario.world)
-    sim.advance(0.5)
-    example["walk"](sim, steps)
-    assert not sim.has_fallen
-    assert sim.current_behavior is Behavior.STAND
-    assert [s["index"] for s in sim.footsteps] == [s.step_index for s in steps]
-    assert max(s["error_m"] for s in sim.footsteps) <= LANDING_ERROR
-
-
-def test_across_a_ramp(walk):
-    """Up a slope, a quarter turn on it, and on along its contour lines."""
-    angle, turns, paces, stride = 0.25, 7, 6, 0.2
-    world = {"name": "ramp", "ramp": {"angle": angle, "width": 4.0}}
-    jitter = Jitter(position=0.005, orientation=0.01, mass=0.05)
-    sim = AtlasSimulation(Scenario(world=world, seed=1, jitter=jitter))
-    slope = sim.scenario.world.terrain()[0]
-    normal = slope.X_WT.rotation().matrix()[:, 2]
-    steps = []
-
-    def place(foot, x, y, yaw):
-        left = HALF_WIDTH * (1 - 2 * foot)
-        x, y = x - left * math.sin(yaw), y + left * math.cos(yaw)
-        R_WF = RotationMatrix(rotation_with_normal(yaw, normal))
-        data = step(len(steps) + 1, x, y, surface_height([slope], x, y), R_WF)
-        assert data.foot_index == foot
-        steps.append(data)
-
-    x, y, yaw = 0.41, 0.0, 0.0
-    for _ in range(2):
-        place(0, x, y, yaw)
-        place(1, x, y, yaw)
-        x += 0.3
-    x -= 0.3
-    for _ in range(turns):
-        yaw += 0.5 * math.pi / turns
-        place(0, x, y, yaw)
-        place(1, x, y, yaw)
-    for pace in range(paces):
-        y += stride
-        place(pace % 2, x, y, yaw)
-    sim.advance(0.5)
-    walk(sim, steps)
-    assert_walked(sim, steps)
 
 
 @pytest.mark.parametrize("way", ["up", "down"])

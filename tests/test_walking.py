@@ -7,7 +7,6 @@ import pytest
 
 from atlas_drake import (
     AtlasBehaviorStepData,
-    AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
     BehaviorStatus,
@@ -128,42 +127,6 @@ def test_a_fast_walk(walk, distance, speed):
     # The fastest part of the walk: strides between the ramps.
     way = np.diff(places) / np.diff(landings)
     assert np.abs(way).max() == pytest.approx(speed, rel=0.1)
-
-
-def test_a_turn_on_the_spot(walk, sim):
-    path = Path(sim)
-    pairs, turn = 5, 0.45
-    for _ in range(pairs):
-        path.step(turn=turn).step()
-    walk(sim, path.steps)
-    assert_walked(sim, path.steps)
-    turned = sim.pelvis_pose.rotation().ToAngleAxis()
-    yaw = turned.angle() * turned.axis()[2]
-    assert math.remainder(yaw - pairs * turn, 2 * math.pi) == pytest.approx(0, abs=0.05)
-    np.testing.assert_allclose(sim.pelvis_pose.translation()[:2], 0.0, atol=0.06)
-
-
-def test_wide_long_and_slow_steps():
-    # Each is within the limits, all at once would leave a leg too short.
-    sim = AtlasSimulation(Scenario(model="atlas_v3"))
-    sim.advance(0.3)
-    command = AtlasSimInterfaceCommand(behavior="WALK")
-    for k in range(4):
-        step = AtlasBehaviorStepData(step_index=k + 1, foot_index=k % 2, duration=3.0)
-        step.swing_height = 0.1
-        step.pose.position.x = 0.42 * (1 + k // 2)
-        step.pose.position.y = 0.2 if k % 2 == 0 else -0.2
-        command.walk_params.step_queue[k] = step
-    sim.publish(command)
-    sim.advance(0.1)
-    (first, *_) = sim.atlas_sim_interface_state.walk_feedback.step_queue_saturated
-    assert 1.0 < first.duration < 2.0
-    sim.advance(11.0)
-    assert sim.current_behavior is Behavior.STAND
-    assert not sim.has_fallen
-    errors = [step["error_m"] for step in sim.footsteps]
-    assert len(errors) == 4
-    assert max(errors) <= LANDING_ERROR
 
 
 def test_ahead_on_the_estimated_state(walk):

@@ -58,15 +58,10 @@ class StanceConfig(Configuration):
 
 
 class FootCommand(NamedTuple):
-    """Command of one foot.
+    """Command of one foot."""
 
-    Attributes:
-        task: Motion of the sole.
-        contact: Contact of the sole with the ground; None for a foot in the air.
-    """
-
-    task: FrameTask
-    contact: Contact | None = None
+    task: FrameTask  # Motion of the sole
+    contact: Contact | None = None  # With the ground; None for a foot in the air
 
 
 class Balance:
@@ -126,17 +121,11 @@ class Balance:
     ) -> WholeBodyCommand:
         """Builds the QP's command that tracks ``reference`` within ``support``.
 
-        Args:
-            observation: Observation of this tick.
-            body: Reference of trunk, height and posture.
-            reference: Reference of DCM and CoP.
-            omega: Natural frequency of the pendulum [1/s].
-            support: Region of the CoP.
-            feet: Left and right foot.
-            quick: True in a quick step, in which the height weighs less.
+        The height of the center of mass weighs less in a ``quick`` step; ``omega`` is
+        the natural frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
-        cop = self.wanted_cop(observation, reference, omega, support)
+        cop = self.desired_cop(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()
         p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
@@ -165,16 +154,12 @@ class Balance:
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(
-                com_acceleration,
-                self._com_weight_quick if quick else self._com_weight,
+                com_acceleration, self._com_weight_quick if quick else self._com_weight
             ),
         )
 
     def on_feet(
-        self,
-        feet: tuple[FootCommand, FootCommand],
-        posture: PostureTask,
-        *tasks: Task,
+        self, feet: tuple[FootCommand, FootCommand], posture: PostureTask, *tasks: Task
     ) -> WholeBodyCommand:
         """Builds the QP's command of two feet, a posture and further tasks."""
         left, right = feet
@@ -183,7 +168,7 @@ class Balance:
             tasks += (self._internal,)
         return WholeBodyCommand(posture, (left.task, right.task, *tasks), contacts)
 
-    def wanted_cop(
+    def desired_cop(
         self,
         observation: Observation,
         reference: DcmReference,
@@ -207,7 +192,9 @@ class Balance:
                 return weight
         return self._joint_weight
 
-    def pressed(self, observation: Observation, foot: int, load: float) -> FootCommand:
+    def touchdown(
+        self, observation: Observation, foot: int, load: float
+    ) -> FootCommand:
         """Commands a foot that just landed, with a load of at least ``load`` weights.
 
         The load turns the sole flat onto the ground.
@@ -217,10 +204,10 @@ class Balance:
             self._contact(foot, self._patches.middle, math.inf, load),
         )
 
-    def planted(
+    def in_contact(
         self, observation: Observation, foot: int, max_load: float = math.inf
     ) -> FootCommand:
-        """Commands a foot to stay planted, loaded by at most ``max_load`` weights.
+        """Commands a foot in contact to rest, loaded by at most ``max_load`` weights.
 
         A sole that carries little is not counted on for more than it may soon carry.
         """
@@ -238,10 +225,10 @@ class Balance:
         )
 
     def standing(self, observation: Observation) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet to stay planted."""
-        return self.planted(observation, 0), self.planted(observation, 1)
+        """Commands both feet to rest in contact."""
+        return self.in_contact(observation, 0), self.in_contact(observation, 1)
 
-    def hanging(self, observation: Observation, foot: int) -> FootCommand:
+    def unloaded(self, observation: Observation, foot: int) -> FootCommand:
         """Commands a foot in the air to come to rest."""
         return FootCommand(self._resting(observation, foot, self._swing_weight))
 
@@ -314,22 +301,13 @@ class Balance:
         )
 
     def toes(self, toeing: FootPose) -> SupportPolygon:
-        """Computes the region of the CoP for a foot on its toes.
-
-        Args:
-            toeing: Pose of the foot before its heel rose.
-        """
+        """Computes the region of the CoP for a foot on its toes, from its flat pose."""
         contact, sole = self.gains.contact, self.robot.file.sole
         half_width = sole.width / 2 - contact.width_margin
         return SupportPolygon(toe_corners(toeing, sole.length / 2, half_width))
 
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
-        """Computes the region of the CoP with one foot flat and the other on its toes.
-
-        Args:
-            flat: Pose of the flat foot.
-            toeing: Pose of the other foot before its heel rose.
-        """
+        """Computes the region of the CoP with one foot flat, the other on its toes."""
         toes = self.toes(toeing).vertices
         return SupportPolygon(np.concatenate([self._corners(flat)[:, :2], toes]))
 

@@ -12,7 +12,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyReference,
+    BodyTarget,
+    advance_body,
+)
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
@@ -48,6 +53,13 @@ class Observation:
     def user_held(self) -> np.ndarray:
         """Joints that the user controls alone, bool, shape (n,)."""
         return read_only(self.user_share >= 1.0)
+
+    def advance_body(
+        self, body: BodyReference, target: BodyTarget, rates: BodyRates
+    ) -> BodyReference:
+        """Moves the reference of trunk and posture towards ``target`` for this tick."""
+        measured = self.terms.q
+        return advance_body(body, target, rates, self.dt, measured, self.user_held)
 
     def foot_pose(self, foot: int) -> FootPose:
         """Present pose of a sole in W."""

@@ -34,25 +34,15 @@ class BodyRates(Configuration):
 
 @dataclass(frozen=True)
 class BodyReference:
-    """Reference of trunk and posture; n joints in message order.
+    """Reference of trunk and posture; n joints in message order."""
 
-    Attributes:
-        height: Height of the center of mass in W [m].
-        height_rate: Rate of the height [m/s].
-        yaw: Heading of pelvis and chest [rad].
-        yaw_rate: Rate of the heading [rad/s].
-        pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
-        chest_tilt: Roll and pitch of the chest [rad], shape (2,).
-        joints: Posture [rad], shape (n,).
-    """
-
-    height: float
-    height_rate: float
-    yaw: float
-    yaw_rate: float
-    pelvis_tilt: np.ndarray
-    chest_tilt: np.ndarray
-    joints: np.ndarray
+    height: float  # Height of the center of mass in W [m]
+    height_rate: float  # Rate of the height [m/s]
+    yaw: float  # Heading of pelvis and chest [rad]
+    yaw_rate: float  # Rate of the heading [rad/s]
+    pelvis_tilt: np.ndarray  # Roll and pitch of the pelvis [rad], shape (2,)
+    chest_tilt: np.ndarray  # Roll and pitch of the chest [rad], shape (2,)
+    joints: np.ndarray  # Posture [rad], shape (n,)
 
     @property
     def R_WP(self) -> np.ndarray:
@@ -67,21 +57,13 @@ class BodyReference:
 
 @dataclass(frozen=True)
 class BodyTarget:
-    """Target of the reference of trunk and posture.
+    """Target of the reference of trunk and posture."""
 
-    Attributes:
-        height: Height of the center of mass in W [m].
-        yaw: Heading of pelvis and chest [rad].
-        joints: Posture [rad], shape (n,).
-        pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
-        chest_tilt: Roll and pitch of the chest [rad], shape (2,).
-    """
-
-    height: float
-    yaw: float
-    joints: np.ndarray
-    pelvis_tilt: np.ndarray
-    chest_tilt: np.ndarray
+    height: float  # Height of the center of mass in W [m]
+    yaw: float  # Heading of pelvis and chest [rad]
+    joints: np.ndarray  # Posture [rad], shape (n,)
+    pelvis_tilt: np.ndarray  # Roll and pitch of the pelvis [rad], shape (2,)
+    chest_tilt: np.ndarray  # Roll and pitch of the chest [rad], shape (2,)
 
 
 def capture_body(terms: WholeBodyTerms) -> BodyReference:
@@ -140,9 +122,9 @@ def _eased(way: float, rate: float, limit: float, easing: float, dt: float) -> f
     limit·easing/2.
     """
     rate = min(max(rate, -limit), limit)
-    wanted = min(max(way / easing, -limit), limit)
+    desired = min(max(way / easing, -limit), limit)
     change = limit * dt / easing
-    return min(max(wanted, rate - change), rate + change)
+    return min(max(desired, rate - change), rate + change)
 
 
 def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

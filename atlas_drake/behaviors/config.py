@@ -15,13 +15,13 @@ from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.manipulate.manipulate import ManipulateConfig
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.config import Configuration, checked, declared
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import RobotFile
 
@@ -54,15 +54,7 @@ class ControllerConfig(Configuration):
     def of(
         file: RobotFile, behaviors: Iterable[BehaviorEntry] | None = None
     ) -> "ControllerConfig":
-        """Returns the configuration of a robot: its file's values, or else defaults.
-
-        Args:
-            file: The robot's file.
-            behaviors: As for ``with_values``.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the configuration of a robot: its file's values, or else defaults."""
         return ControllerConfig().with_values(file.controller, behaviors)
 
     def with_values(
@@ -89,25 +81,23 @@ class ControllerConfig(Configuration):
         }
         kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
         base = {name: getattr(self, name, own.get(name)) for name in (*shared, *own)}
-        registered = f"of registered behaviors: {', '.join(own) or 'none'}"
+        given = dict(values)
         if behaviors is None:
-            registered = "the field of a behavior of your own holds fields"
-        for name, value in values.items():
-            is_fields = isinstance(value, Mapping) or is_dataclass(value)
-            if name not in base and not (behaviors is None and is_fields):
-                hint = did_you_mean(name.lower(), base)
-                known = f"There are {', '.join(shared)}; {registered}"
-                problem = f"there is no such field.{hint} {known}"
-                raise ScenarioError(f"controller.{name}", value, problem)
-        given = {name: value for name, value in values.items() if name in base}
+            # Fields under another name may be those of a behavior that is yet to come.
+            given = {
+                name: value
+                for name, value in values.items()
+                if name in base
+                or not (isinstance(value, Mapping) or is_dataclass(value))
+            }
         made: ControllerConfig = checked(kind, given, "controller", base=base)
         return made
 
-    def gait(self, **wanted: float) -> Gait:
+    def gait(self, **desired: float) -> Gait:
         """Returns the usual gait.
 
         Args:
-            **wanted: Values of stride, turn, duration and swing_height that differ from
+            **desired: Values of stride, turn, duration and swing_height other than
                 the usual ones.
 
         Raises:
@@ -115,7 +105,7 @@ class ControllerConfig(Configuration):
         """
         usual = {**asdict(self.walk.steps), "swing_height": self.walk.swing.height}
         return Gait(
-            **{**usual, **wanted},
+            **{**usual, **desired},
             limits=self.walk.limits,
             stance_width=self.stance.width,
         )

@@ -13,9 +13,8 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
-from atlas_drake.behaviors.stand.stand import Pose, Stand
+from atlas_drake.behaviors.stand.stand import Pose, Stand, StandConfig
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import shown
@@ -162,9 +161,7 @@ class BehaviorEntry(BehaviorInterface):
         )
 
 
-def legal_transitions(
-    entries: Iterable[BehaviorEntry],
-) -> dict[str, frozenset[str]]:
+def legal_transitions(entries: Iterable[BehaviorEntry]) -> dict[str, frozenset[str]]:
     """Maps the name of each behavior to the names of those that may follow it."""
     known = tuple(entries)
     return {
@@ -174,19 +171,7 @@ def legal_transitions(
 
 
 def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, str]:
-    """Determines why a behavior cannot begin now.
-
-    Args:
-        target: Entry of the requested behavior.
-        asked: The requested transition.
-
-    Returns:
-        The flag for the feedback, OK if the behavior can begin, and a reason in words,
-        which may be empty.
-
-    Raises:
-        BehaviorError: If a condition returns a value of another type.
-    """
+    """Returns why a behavior cannot begin now: a flag, OK if it can, and words."""
     if not target.may_follow(asked.source):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, ""
     for condition in target.conditions:

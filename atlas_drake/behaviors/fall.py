@@ -24,16 +24,10 @@ class FallLimits(Configuration):
 
 @dataclass(frozen=True)
 class Posture:
-    """Quantities from which a fall is detected.
+    """Quantities from which a fall is detected."""
 
-    Attributes:
-        upright: Cosine of the angle between the pelvis' z axis and the vertical [-].
-        com_height: Height of the center of mass above the lower sole [m]. It separates
-            a lying robot from a standing or hanging one at any height of the ground.
-    """
-
-    upright: float
-    com_height: float
+    upright: float  # Cosine of the angle of the pelvis' z axis from the vertical [-]
+    com_height: float  # Height of the CoM above the lower sole [m]
 
 
 def posture_of(terms: WholeBodyTerms) -> Posture:
@@ -45,10 +39,7 @@ def posture_of(terms: WholeBodyTerms) -> Posture:
 def sign_of_fall(posture: Posture, nominal_height: float, limits: FallLimits) -> str:
     """Describes the sign of a fall in a posture; empty if the robot does not fall.
 
-    Args:
-        posture: Present posture of the robot.
-        nominal_height: Height of the center of mass above the soles when standing [m].
-        limits: Limits beyond which the robot counts as falling.
+    ``nominal_height`` is that of the CoM above the soles when standing [m].
     """
     tilt = math.acos(min(max(posture.upright, -1.0), 1.0))
     if tilt >= limits.tilt:

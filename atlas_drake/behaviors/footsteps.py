@@ -27,9 +27,7 @@ _FEET = ("left", "right")
 def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footstep:
     """Converts a message to a step with the pose of the sole frame in W.
 
-    Args:
-        data: The message.
-        relative: True if its height counts from the stance foot.
+    With ``relative`` its height counts from the stance foot.
     """
     p = data.pose.position
     quaternion = data.pose.orientation.to_wxyz()
@@ -67,11 +65,7 @@ def merge(
 ) -> tuple[Footstep, ...]:
     """Merges a message into the coming steps: it replaces steps that have not begun.
 
-    Args:
-        pending: Earlier steps that have not begun.
-        sent: The message's queue.
-        first_open: Lowest index that has not begun; lower ones are ignored.
-        relative: True if heights in the message count from the stance foot.
+    Indices below ``first_open`` have begun, and are ignored.
     """
     steps = {step.index: step for step in pending}
     for data in sent:
@@ -114,14 +108,7 @@ def next_runs(pending: tuple[Footstep, ...], index: int) -> tuple[Footstep, ...]
 def footstep_event(
     time: float, sent: Footstep, taken: Footstep, landed: FootPose
 ) -> Event:
-    """Makes the event that is logged at touchdown.
-
-    Args:
-        time: Time of the touchdown [s].
-        sent: The step as commanded.
-        taken: The step as executed, after saturation.
-        landed: Pose of the sole at touchdown.
-    """
+    """Makes the event of a touchdown, with the step as commanded and as executed."""
     error = landing_error(sent, landed)
     return Event(
         time,
@@ -140,13 +127,8 @@ def footstep_event(
     )
 
 
-def caught_balance(time: float, step: Footstep) -> Event:
-    """Makes the event of a step that nobody commanded, at its lift-off.
-
-    Args:
-        time: Time of the lift-off [s].
-        step: The step that catches the balance.
-    """
+def recovery_event(time: float, step: Footstep) -> Event:
+    """Makes the event of a recovery step at its lift-off."""
     text = f"step {step.index} ({_FEET[step.foot]}) catches the balance"
     return Event(time, "recovery", text, {"index": step.index, "foot": step.foot})
 
@@ -162,13 +144,7 @@ ELSEWHERE_ANGLE = 0.2
 
 
 def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
-    """Makes a warning if the place or heading of a step differs from its command.
-
-    Args:
-        time: Time of the warning [s].
-        sent: The step as commanded.
-        taken: The step as executed.
-    """
+    """Makes a warning if the place or heading of a step differs from its command."""
     away, turned = landing_error(sent, taken.pose), heading_error(sent, taken.pose)
     off = []
     if away >= NOTABLE:
@@ -188,13 +164,7 @@ def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
 
 
 def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
-    """Makes a warning if duration, height or slope of a step differ from its command.
-
-    Args:
-        time: Time of the warning [s].
-        sent: The step as commanded, its height in W.
-        taken: The step as executed.
-    """
+    """Makes a warning if duration, height or slope of a step is not the commanded."""
     changes = []
     if not math.isclose(sent.duration, taken.duration, abs_tol=1e-3):
         changes.append(f"takes {taken.duration:.2f} s instead of {sent.duration:.2f} s")
@@ -219,12 +189,9 @@ def landed_elsewhere(event: Event) -> bool:
 
 
 def is_elsewhere(landing: Mapping[str, Any]) -> bool:
-    """True if a foot landed far from the commanded pose.
+    """True if a foot landed far from the commanded pose, by the data of its event.
 
     That pose may have been out of reach, or balance may have moved the step.
-
-    Args:
-        landing: Data of an event of the kind ``FOOTSTEP``.
     """
     return bool(
         landing["error_m"] >= ELSEWHERE or landing["error_rad"] >= ELSEWHERE_ANGLE

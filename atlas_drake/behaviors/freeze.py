@@ -45,7 +45,7 @@ class Freeze(BehaviorProtocol):
         """Takes gains from ``balance``."""
         config = config or FreezeConfig()
         self._balance = balance
-        self._least_load = config.contact_force * balance.weight
+        self._min_load = config.contact_force * balance.weight
         self._weight = np.full(balance.robot.num_joints, config.stiffness_weight)
 
     def enter(
@@ -68,11 +68,11 @@ class Freeze(BehaviorProtocol):
         joints = np.where(observation.user_held, observation.terms.q, state.joints)
         gains = self._balance.gains.posture
         # False for a force that was not measured yet: the robot is taken to stand.
-        hangs = observation.foot_force <= self._least_load
+        hangs = observation.foot_force <= self._min_load
         left, right = (
-            self._balance.hanging(observation, foot)
+            self._balance.unloaded(observation, foot)
             if hangs[foot]
-            else self._balance.planted(observation, foot)
+            else self._balance.in_contact(observation, foot)
             for foot in (0, 1)
         )
         still = (

@@ -27,26 +27,15 @@ TIME_STEP = 0.04
 
 @dataclass(frozen=True, kw_only=True)
 class Phase:
-    """Common part of all phases.
+    """Common part of all phases."""
 
-    Attributes:
-        support: Region of the CoP.
-        elapsed: Time since the beginning of the phase [s].
-    """
-
-    support: SupportPolygon
-    elapsed: float = 0.0
+    support: SupportPolygon  # Region of the CoP
+    elapsed: float = 0.0  # Time since the beginning of the phase [s]
 
     def plan_of(
         self, reference: DcmReference, omega: float, steps: tuple[Footstep, ...]
     ) -> Plan:
-        """Returns the plan for viewers and logs.
-
-        Args:
-            reference: Present references of DCM and CoP.
-            omega: Natural frequency of the pendulum [1/s].
-            steps: Coming footsteps.
-        """
+        """Returns the plan for viewers and logs."""
         return Plan(
             support=self.support.vertices,
             omega=omega,
@@ -68,10 +57,8 @@ class PhaseControl(ABC, Generic[P]):
     ) -> tuple[Any, tuple[Event, ...]]:
         """Returns the next phase if the phase is over, or else the same phase.
 
-        Args:
-            phase: The phase, with the time of this tick added.
-            observation: Observation of this tick.
-            leaving: True if the end of the behavior was requested.
+        The phase has the time of this tick added; ``leaving`` requests the end of the
+        behavior.
         """
 
     @abstractmethod

@@ -10,9 +10,8 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate
-from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate, ManipulateConfig
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.walk.config import WalkConfig
@@ -86,23 +85,10 @@ SHIPPED_ENTRIES = (
         ends_in_order=False,
         recovers=True,
     ),
+    _entry(Behavior.WALK, make=Walk, config=WalkConfig(), lifts_feet=True),
+    _entry(Behavior.STEP, make=Step, config=StepConfig(), lifts_feet=True),
     _entry(
-        Behavior.WALK,
-        make=Walk,
-        config=WalkConfig(),
-        lifts_feet=True,
-    ),
-    _entry(
-        Behavior.STEP,
-        make=Step,
-        config=StepConfig(),
-        lifts_feet=True,
-    ),
-    _entry(
-        Behavior.MANIPULATE,
-        make=_manipulate,
-        config=ManipulateConfig(),
-        recovers=True,
+        Behavior.MANIPULATE, make=_manipulate, config=ManipulateConfig(), recovers=True
     ),
     _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
 )

@@ -39,11 +39,7 @@ from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import (
-    ControllerStatus,
-    Plan,
-    PlannedPaths,
-)
+from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 
 _Planned = TypeVar("_Planned", Plan, PlannedPaths)
@@ -65,12 +61,7 @@ class Supervisor:
     ):
         """Makes the behaviors of all entries.
 
-        Args:
-            model: Model of the robot.
-            config: Parameters of the behaviors.
-            nominal_height: Height of the center of mass above the soles when standing
-                [m].
-            entries: Entries of the behaviors.
+        ``nominal_height`` is that of the CoM above the soles when standing [m].
         """
         robot = model.robot
         balance = Balance(robot, config.gains, config.stance)
@@ -108,17 +99,10 @@ class Supervisor:
         observation: Observation,
         requests: Sequence[BehaviorRequest],
     ) -> tuple[SupervisorState, WholeBodyCommand | None]:
-        """Computes one tick.
+        """Computes one tick: the next state, and the command for the QP; None for none.
 
-        Args:
-            state: State after the last tick.
-            observation: Present observation of the robot.
-            requests: The latest requests, at least one, oldest first; those that came
-                since the last tick are handled in their order.
-
-        Returns:
-            The next state, and the command for the whole-body QP; None when no
-            behavior acts.
+        ``requests`` are at least one, oldest first; those that came since the last tick
+        are handled in their order.
         """
         active = state.active
         if isinstance(active, Starting):
@@ -179,10 +163,8 @@ class Supervisor:
     ) -> ControllerStatus:
         """Returns the status of the behaviors; it says nothing of the QP.
 
-        Args:
-            state: State after the last tick.
-            com: Center of mass at that tick, horizontal in W [m], shape (2,).
-            omega: Natural frequency of the pendulum at that tick [1/s].
+        CoM, horizontal in W [m], and ``omega`` of the pendulum [1/s] are those of the
+        tick.
         """
         falling = BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
         last, active, feedback = state.last, state.active, None
@@ -199,38 +181,32 @@ class Supervisor:
             feedback=feedback,
             events=state.events,
             event_count=state.event_count,
-            plan=self._planned("plan", Plan, state, com, omega),
+            plan=self._planned("plan", Plan(), state, com, omega),
         )
 
     def paths(
         self, state: SupervisorState, com: np.ndarray, omega: float
     ) -> PlannedPaths:
         """Returns the planned paths of the active behavior; arguments as ``status``."""
-        return self._planned("paths", PlannedPaths, state, com, omega)
+        return self._planned("paths", PlannedPaths(), state, com, omega)
 
     def _planned(
         self,
         method: str,
-        kind: type[_Planned],
+        empty: _Planned,
         state: SupervisorState,
         com: np.ndarray,
         omega: float,
     ) -> _Planned:
         """Calls ``plan`` or ``paths`` of the active behavior, if it acts."""
         active = state.active
-        if (
-            not isinstance(active, Running)
-            or active.state is None
-            or state.in_damping_mode
-        ):
-            return kind()
-        behavior = self.behaviors[active.behavior]
-        planned = getattr(behavior, method)(active.state, com, omega)
-        if not isinstance(planned, kind):
-            raise BehaviorError(
-                f"{method} of {state.current.name} must return {kind.__name__}, "
-                f"returned {shown(planned)}"
-            )
+        if not isinstance(active, Running) or state.in_damping_mode:
+            return empty
+        if active.state is None:
+            return empty
+        plan = getattr(self.behaviors[active.behavior], method)
+        planned = plan(active.state, com, omega)
+        _check_type(f"{method} of {active.behavior.name}", planned, type(empty))
         return planned
 
     # ---- transitions ---------------------------------------------------------
@@ -244,10 +220,7 @@ class Supervisor:
     ) -> tuple[SupervisorState, Waiting | Running]:
         """Handles a new request; returns the state, and the behavior then active."""
         state = replace(
-            state,
-            active=active,
-            request=request,
-            error_code=ErrorCode.NO_ERRORS,
+            state, active=active, request=request, error_code=ErrorCode.NO_ERRORS
         )
         target, last = request.behavior, state.last
         if target not in self._entries:
@@ -358,11 +331,7 @@ class Supervisor:
 def _made(
     entry: BehaviorEntry, tools: BehaviorTools, config: ControllerConfig
 ) -> BehaviorProtocol:
-    """Makes the behavior of an entry.
-
-    Raises:
-        BehaviorError: If the result is not a behavior.
-    """
+    """Makes the behavior of an entry, and refuses what is no behavior."""
     own = entry.config
     if own is not None:
         own = getattr(config, entry.configured_at, own)
@@ -376,26 +345,23 @@ def _made(
     return behavior
 
 
+def _check_type(name: str, answer: object, *kinds: type) -> None:
+    """Refuses what a user's own behavior returned, if it is of another type."""
+    if not isinstance(answer, kinds):
+        raise BehaviorError(
+            f"{name} must be {' or '.join(kind.__name__ for kind in kinds)}, "
+            f"is {shown(answer)}"
+        )
+
+
 def _check_outcome(outcome: object, behavior: Behavior) -> None:
     """Raises BehaviorError unless an update returned a valid outcome."""
-    if not isinstance(outcome, Outcome):
-        raise BehaviorError(
-            f"update of {behavior.name} must return an Outcome, returned "
-            f"{shown(outcome)}"
-        )
-    for name, kind in _OUTCOME.items():
-        value = getattr(outcome, name)
-        if not isinstance(value, kind):
-            raise BehaviorError(
-                f"{name} in the Outcome of {behavior.name} must be "
-                f"{' or '.join(k.__name__ for k in kind)}, is {shown(value)}"
-            )
-    for event in outcome.events:
-        if not isinstance(event, Event):
-            raise BehaviorError(
-                f"events in the Outcome of {behavior.name} must be Event values, has "
-                f"{shown(event)}"
-            )
+    _check_type(f"the outcome of update of {behavior.name}", outcome, Outcome)
+    where = f"in the Outcome of {behavior.name}"
+    for name, kinds in _OUTCOME.items():
+        _check_type(f"{name} {where}", getattr(outcome, name), *kinds)
+    for event in outcome.events:  # type: ignore[attr-defined]
+        _check_type(f"events {where}", event, Event)
 
 
 _OUTCOME = {

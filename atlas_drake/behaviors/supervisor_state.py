@@ -16,92 +16,53 @@ from atlas_drake.messages.event import Event, append_recent
 
 @dataclass(frozen=True)
 class Starting:
-    """The initial behavior before the first tick.
-
-    Attributes:
-        behavior: The behavior.
-    """
+    """The initial behavior before the first tick."""
 
     behavior: Behavior
 
 
 @dataclass(frozen=True)
 class Waiting:
-    """A behavior that is entered at its first tick.
-
-    Attributes:
-        behavior: The behavior.
-        request: Last request for the behavior: the one that started it, or a later one
-            for the same behavior.
-        body: Reference of trunk and posture.
-    """
+    """A behavior that is entered at its first tick."""
 
     behavior: Behavior
-    request: BehaviorRequest
-    body: BodyReference
+    request: BehaviorRequest  # The one that started the behavior, or a later one
+    body: BodyReference  # Reference of trunk and posture
 
 
 @dataclass(frozen=True)
 class Running:
-    """A behavior after its first tick.
-
-    Attributes:
-        behavior: The behavior.
-        request: Last request for the behavior.
-        body: Reference of trunk and posture.
-        state: State of the behavior.
-        flags: The behavior's own flags, latched.
-        warned: True after the warning about steps with leg joints under user control.
-    """
+    """A behavior after its first tick."""
 
     behavior: Behavior
-    request: BehaviorRequest
-    body: BodyReference
+    request: BehaviorRequest  # Last request for the behavior
+    body: BodyReference  # Reference of trunk and posture
     state: Any
-    flags: int = 0
-    warned: bool = False
+    flags: int = 0  # The behavior's own flags, latched
+    warned: bool = False  # After the warning of leg joints under user control
 
 
 @dataclass(frozen=True)
 class LastTransition:
-    """The last transition, accepted or refused, as the feedback reports it.
+    """The last transition, accepted or refused, as the feedback reports it."""
 
-    Attributes:
-        source: Behavior before the transition.
-        target: Behavior after the transition.
-        status: Flags of the transition.
-    """
-
-    source: Behavior = Behavior.NONE
-    target: Behavior = Behavior.NONE
-    status: BehaviorStatus = BehaviorStatus.OK
+    source: Behavior = Behavior.NONE  # Behavior before the transition
+    target: Behavior = Behavior.NONE  # Behavior after the transition
+    status: BehaviorStatus = BehaviorStatus.OK  # Flags of the transition
 
 
 @dataclass(frozen=True)
 class SupervisorState:
-    """State of supervisor and behaviors.
+    """State of supervisor and behaviors."""
 
-    Attributes:
-        active: The active behavior.
-        desired: Requested behavior; differs from the active one during a transition.
-        last: The last transition.
-        request: The last handled request, accepted or refused; None before the first
-            tick.
-        error_code: Error code of the last request.
-        falling: True from a detected fall until a behavior begins in a posture that is
-            not that of a fall.
-        events: The latest events.
-        event_count: Number of events so far.
-    """
-
-    active: Starting | Waiting | Running
-    desired: Behavior
-    last: LastTransition = LastTransition()
-    request: BehaviorRequest | None = None
-    error_code: ErrorCode = ErrorCode.NO_ERRORS
-    falling: bool = False
-    events: tuple[Event, ...] = ()
-    event_count: int = 0
+    active: Starting | Waiting | Running  # The active behavior
+    desired: Behavior  # Requested behavior; not the active one in a transition
+    last: LastTransition = LastTransition()  # The last transition
+    request: BehaviorRequest | None = None  # Last one handled; None at first
+    error_code: ErrorCode = ErrorCode.NO_ERRORS  # Error code of the last request
+    falling: bool = False  # Until a behavior begins in a posture that is no fall
+    events: tuple[Event, ...] = ()  # The latest events
+    event_count: int = 0  # Number of events so far
 
     @property
     def current(self) -> Behavior:

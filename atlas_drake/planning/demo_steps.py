@@ -19,14 +19,7 @@ DEMO_STEPS = 25
 def demo_steps(
     feet: Sequence[FootPose], first_index: int, foot: int, gait: Gait
 ) -> tuple[Footstep, ...]:
-    """Plans steps straight ahead; the last step puts the feet side by side.
-
-    Args:
-        feet: Left and right sole.
-        first_index: Index of the first step.
-        foot: Foot of the first step.
-        gait: Gait of the walk.
-    """
+    """Plans steps straight ahead; the last step puts the feet side by side."""
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
     left = np.array([-ahead[1], ahead[0]])

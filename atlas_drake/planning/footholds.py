@@ -72,19 +72,19 @@ class Gait:
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
     stance_width: float = field(default=STANCE_WIDTH, repr=False)
 
-    def nearest(self, **wanted: float) -> Gait:
+    def nearest(self, **desired: float) -> Gait:
         """Returns the feasible gait nearest to values that may be beyond the limits.
 
         Args:
-            **wanted: Values of stride, turn, duration and swing_height that differ from
+            **desired: Values of stride, turn, duration and swing_height other than
                 this gait's.
         """
         limits = self.limits
-        turn = clip(wanted.get("turn", self.turn), 0.01, limits.toe_in)
+        turn = clip(desired.get("turn", self.turn), 0.01, limits.toe_in)
         # The longest stride depends on the turn, and the longest duration on both.
         turning = replace(self, stride=0.01, turn=turn, duration=limits.duration.least)
         values: dict[str, Any] = {
-            name: clip(wanted.get(name, getattr(self, name)), low, high)
+            name: clip(desired.get(name, getattr(self, name)), low, high)
             for name, low, high in turning.bounds()
         }
         quickest = replace(turning, **{**values, "duration": limits.duration.least})
@@ -205,13 +205,9 @@ def sole_beside(middle: Foothold, foot: int, gait: Gait) -> Foothold:
 
 
 def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
-    """Moves a place ahead and round a turn, then to the new left.
+    """Moves a place ahead and round a turn [rad], then to the new left [m].
 
-    Args:
-        place: Start of the motion.
-        ahead: Distance along the heading half-way through the turn [m].
-        left: Distance to the left after the turn [m].
-        turn: Turn to the left [rad].
+    ``ahead`` [m] is along the heading half-way through the turn.
     """
     yaw, half = place.yaw + turn, place.yaw + 0.5 * turn
     return Foothold(
@@ -224,10 +220,7 @@ def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
 def way_to(place: Foothold, goal: Foothold, turn: float) -> tuple[float, float]:
     """Computes the ``ahead`` and ``left`` with which ``moved`` reaches ``goal`` [m].
 
-    Args:
-        place: Start of the motion.
-        goal: End of the motion; its heading is ignored.
-        turn: Turn on the way to the left [rad], less than a right angle.
+    The heading of the goal is ignored; ``turn`` is less than a right angle [rad].
     """
     half = place.yaw + 0.5 * turn
     dx, dy = goal.x - place.x, goal.y - place.y
@@ -243,14 +236,9 @@ def step_from(
 ) -> Foothold:
     """Computes the foothold of a step relative to the stance foot.
 
-    Args:
-        stance: Place of the stance foot.
-        foot: Foot that steps.
-        gait: Gait, which gives the distance between the feet.
-        stride: Distance ahead of the stance foot [m].
-        shift: Side step to the left [m]; only the foot on that side takes it, the
-            other foot then closes up.
-        turn: Turn of the middle between the feet to the left, on the spot [rad].
+    ``stride`` is ahead of the stance foot [m], ``turn`` that of the middle between the
+    feet, on the spot [rad]. Only the foot on the side of ``shift`` [m] takes it; the
+    other foot then closes up.
     """
     left = shift if shift * outward(foot) > 0.0 else 0.0
     middle = moved(middle_beside(stance, 1 - foot, gait), stride, left, turn)

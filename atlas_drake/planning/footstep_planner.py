@@ -10,7 +10,7 @@ With ``speed`` stride and duration follow from it (``Gait.at_speed``). Strides g
 shrink by at most ``Gait.stride_change`` from step to step: the speed is that between
 the first and the last steps.
 
-Each raises ``ValueError`` if a number is beyond FARTHEST or MOST_TURN or none, the
+Each raises ``ValueError`` if a number is beyond MAX_DISTANCE or MAX_TURN or none, the
 report has no place for a foot, or the feet are not on one level. The constants are
 bounds of what is sensible and tolerances; the settings are in ``Gait``.
 """
@@ -44,9 +44,9 @@ walks without turning first, also backward and sideways [m]."""
 CLOSING = 0.02
 """Greatest decrease of the distance between the feet from the side-by-side stance
 [m]."""
-FARTHEST = 1000.0
+MAX_DISTANCE = 1000.0
 """Longest distance of a plan, ahead or along each axis of the world [m]."""
-MOST_TURN = 1000.0
+MAX_TURN = 1000.0
 """Largest angle of a plan [rad]."""
 WORLD = 1e6
 """Greatest distance of the feet from the world's origin [m]."""
@@ -72,7 +72,7 @@ def steps_ahead(
         gait: Gait of the walk.
         speed: Speed of the walk [m/s]; None for the gait's.
     """
-    _check_range("distance", distance, FARTHEST)
+    _check_range("distance", distance, MAX_DISTANCE)
     return steps_along_arc(report, distance, 0.0, gait, speed)
 
 
@@ -114,8 +114,8 @@ def steps_along_arc(
             most that it can makes the walk slower.
     """
     gait = _gait_at(gait, speed, backward=length < 0.0)
-    _check_range("length", length, FARTHEST)
-    _check_range("angle", angle, MOST_TURN)
+    _check_range("length", length, MAX_DISTANCE)
+    _check_range("angle", angle, MAX_TURN)
     return _steps(report, _arc(_middle(report), length, angle, gait), gait)
 
 
@@ -131,7 +131,7 @@ def steps_to(
 
     Args:
         report: Latest report.
-        x: Goal of the middle between the feet in W [m], within FARTHEST of the robot.
+        x: Goal of the middle between the feet in W [m], within MAX_DISTANCE.
         y: Likewise [m].
         yaw: Heading of the robot at the goal [rad].
         gait: Gait of the walk.
@@ -139,9 +139,9 @@ def steps_to(
     """
     gait = _gait_at(gait, speed)
     here = _middle(report)
-    _check_range("x", x, FARTHEST, here.x)
-    _check_range("y", y, FARTHEST, here.y)
-    _check_range("yaw", yaw, MOST_TURN)
+    _check_range("x", x, MAX_DISTANCE, here.x)
+    _check_range("y", y, MAX_DISTANCE, here.y)
+    _check_range("yaw", yaw, MAX_TURN)
     goal = Foothold(x, y, yaw)
     dx, dy = x - here.x, y - here.y
     distance = math.hypot(dx, dy)
@@ -174,14 +174,10 @@ def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Footh
 
 
 def _parts(full: float, ramp: float) -> list[float]:
-    """Divides a way into the parts of its steps, shorter at the beginning and the end.
+    """Divides a way into the shares of its steps, shorter at the beginning and the end.
 
-    Args:
-        full: Length of the way in full steps, which are the longest.
-        ramp: Largest change of the length from step to step, in full steps.
-
-    Returns:
-        Share of each step in the way, at least one; the sum is 1.
+    ``full`` is the length of the way in full steps, which are the longest; ``ramp`` the
+    largest change of the length from step to step, in full steps.
     """
     count = max(_ceil(full), 1)
     while True:
@@ -240,11 +236,7 @@ def _steps(
 def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foothold:
     """Computes the middle between the feet after a step toward ``goal``.
 
-    Args:
-        stance: The middle if ``foot`` stood beside the stance foot.
-        goal: Goal of the middle.
-        foot: Foot that steps.
-        gait: Gait with the limits of the step.
+    ``stance`` is the middle if ``foot`` stood beside the stance foot.
     """
     side = outward(foot)
     turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
@@ -260,12 +252,7 @@ def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
 
     Only a foot that turns inward comes near a limit: the turn also moves the foot
     ahead, and each distance ahead brings it nearer to the stance foot. No ``Gait``
-    reaches the other limits.
-
-    Args:
-        out: Way of the middle to the side of the stepping foot [m].
-        turn: Outward turn [rad], at least -``StepLimits.toe_in``.
-        gait: Gait with the limits of the robot.
+    reaches the other limits. ``out`` is the way to the side of the stepping foot [m].
     """
     limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)

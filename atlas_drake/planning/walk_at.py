@@ -101,11 +101,7 @@ def stop_walking(
 
 
 def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand:
-    """Requests WALK with heights relative to the stance foot.
-
-    Args:
-        steps: As many as the queue has.
-    """
+    """Requests WALK with heights relative to the stance foot."""
     command = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
     command.walk_params.step_queue = steps
     command.walk_params.use_relative_step_height = True
@@ -113,30 +109,16 @@ def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand
 
 
 class Pace(NamedTuple):
-    """Steps of a velocity.
+    """Steps of a velocity."""
 
-    Attributes:
-        gait: Gait with the duration of the steps.
-        stride: Distance ahead of each step [m].
-        shift: Side step to the left of each pair of steps [m].
-        turn: Turn to the left of each step [rad].
-    """
-
-    gait: Gait
-    stride: float
-    shift: float
-    turn: float
+    gait: Gait  # With the duration of the steps
+    stride: float  # Distance ahead of each step [m]
+    shift: float  # Side step to the left of each pair of steps [m]
+    turn: float  # Turn to the left of each step [rad]
 
 
 def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:
-    """Returns the steps of a velocity, or of the nearest that the robot can walk.
-
-    Args:
-        forward: Speed ahead [m/s].
-        left: Speed to the left [m/s].
-        turn: Rate of the turn to the left [rad/s].
-        gait: Gait, of which the duration is taken if possible.
-    """
+    """Returns the steps of a velocity, or of the nearest that the robot can walk."""
     limits = gait.limits
     backward = limits.backward / limits.forward if forward < 0.0 else 1.0
     # Per second; a side step takes two steps and its share of a stride.
@@ -164,19 +146,12 @@ def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:
 
 
 class _Beginning(NamedTuple):
-    """Where the next steps begin.
+    """Where the next steps begin."""
 
-    Attributes:
-        step_index: Of the first one.
-        foot: Foot of the first one.
-        feet: Left and right sole before it.
-        stride: Stride of the step before it [m].
-    """
-
-    step_index: int
-    foot: int
-    feet: tuple[Foothold, Foothold]
-    stride: float
+    step_index: int  # Of the first one
+    foot: int  # Foot of the first one
+    feet: tuple[Foothold, Foothold]  # Left and right sole before it
+    stride: float  # Stride of the step before it [m]
 
 
 def _beginning(
@@ -207,9 +182,6 @@ def first_open_step(report: AtlasSimInterfaceState) -> int:
 
     In single support it is the step after the present one. In double support the weight
     already shifts for the next step, so it is the step after that.
-
-    Args:
-        report: Latest report of the behaviors.
     """
     if report.current_behavior != Behavior.WALK:
         return 1

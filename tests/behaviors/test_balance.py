@@ -71,19 +71,19 @@ def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     balance, observe, felt, limit
 ):
     seen = replace(observe(), foot_force=np.full(2, felt * balance.weight))
-    contact = balance.planted(seen, 1).contact
+    contact = balance.in_contact(seen, 1).contact
     assert contact.max_normal_force == pytest.approx(limit * balance.weight)
     # Where it carries next to nothing, a moment would only turn the foot.
     reach = np.abs(contact.patch.corners).max()
     assert (reach < 0.02) == (felt < 0.1)
     # What the behavior itself allows is never exceeded.
-    less = balance.planted(seen, 1, max_load=0.05).contact
+    less = balance.in_contact(seen, 1, max_load=0.05).contact
     assert less.max_normal_force == pytest.approx(0.05 * balance.weight)
 
 
 def commanded(balance, seen, *, body=None, dcm=None):
     """The command to a robot on both feet; without references, to stay as it is."""
-    feet = (balance.planted(seen, 0), balance.planted(seen, 1))
+    feet = (balance.in_contact(seen, 0), balance.in_contact(seen, 1))
     dcm = feedback.dcm(seen.terms, OMEGA) if dcm is None else dcm
     support = balance.support(*(seen.foot_pose(foot) for foot in (0, 1)))
     body = body or capture_body(seen.terms)
@@ -160,7 +160,7 @@ def test_trunk_and_posture_are_turned_to_their_reference(balance, observe):
     assert com.target[2] == pytest.approx(0.01 * gains.com_height.kp)
     np.testing.assert_allclose(command.posture.target, 0.1 * gains.posture.kp)
     # With the back under the user's control, the chest may not tilt the pelvis.
-    back = balance.robot.joint_names[int(balance._back[0])]
+    back = "back_bkz"
     _, _, chest, pelvis, *_ = commanded(
         balance, observe(users={back: 1.0}), body=ahead
     ).tasks
@@ -210,7 +210,7 @@ def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
         w_WF=np.zeros(3),
         alpha_WF=np.zeros(3),
     )
-    feet = balance.planted(seen, 0), balance.swinging(seen, right, rising)
+    feet = balance.in_contact(seen, 0), balance.swinging(seen, right, rising)
     stance = terms.feet[0].p_WF[:2]
     reference = DcmReference(terms.com[:2], stance)
     command = balance.command(

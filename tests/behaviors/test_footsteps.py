@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.footsteps import (
-    NO_STEP,
     footstep_from,
     merge,
     next_runs,
@@ -78,11 +77,6 @@ def test_yaw_of_a_tilted_pose_is_the_heading_of_its_toes(scale):
     assert footstep_from(sent).yaw == pytest.approx(0.5)
 
 
-def test_merge_sorts_and_leaves_out_empty_places():
-    sent = [data(2), data(NO_STEP), data(1, RIGHT), AtlasBehaviorStepData()]
-    assert indices(merge((), sent, first_open=1)) == [1, 2]
-
-
 def test_a_message_replaces_steps_that_have_not_begun():
     pending = (step(3, x=0.3), step(4, x=0.4))
     merged = merge(pending, [data(4, x=9.0), data(5, x=0.5)], first_open=3)
@@ -95,11 +89,6 @@ def test_steps_that_have_begun_are_not_changed():
     assert indices(merged) == [3]
     assert merged[0].p_WF[0] == 9.0
     assert merge((), [data(1), data(2)], first_open=3) == ()
-
-
-def test_merging_nothing_changes_nothing():
-    pending = (step(3), step(4))
-    assert merge(pending, [AtlasBehaviorStepData()] * 4, first_open=3) == pending
 
 
 def test_steps_beyond_a_gap_of_indices_are_not_next():

@@ -10,14 +10,15 @@ from atlas_drake import (
     BehaviorStatus,
     Scenario,
 )
-from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.balance import Balance, StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
-from atlas_drake.behaviors.stand.config import StandConfig
-from atlas_drake.behaviors.walk.capture import capture_step, closing_step
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.behaviors.walk.phases import WalkSettle, WalkShift, WalkSwing
+from atlas_drake.behaviors.walk.gait import capture_step, square_up_step
+from atlas_drake.behaviors.walk.phases import FinalTransfer, InitialTransfer, WalkSwing
 from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
@@ -81,7 +82,7 @@ def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
     supports = tuple(balance.support(pose) for pose in feet)
     dcm = np.array(dcm)
     limits, timing = CONFIG.limits, CONFIG.timing
-    step = capture_step(3, feet, supports, dcm, OMEGA, timing, 0.1, limits)
+    step = capture_step(3, feet, supports, dcm, OMEGA, CONFIG)
     assert (step.foot, step.index, step.duration) == (foot, 3, limits.duration.least)
     assert step.p_WF[2] == 0.05
     cop = supports[1 - foot].clamp(dcm)
@@ -92,11 +93,11 @@ def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_a_closing_step_puts_the_feet_side_by_side(foot):
+def test_a_square_up_step_puts_the_feet_side_by_side(foot):
     other = FootPose(
         np.array([1.0, 0.0, 0.1]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     )
-    step = closing_step(5, foot, other, 0.3, 0.7, 0.1)
+    step = square_up_step(5, foot, other, 0.3, CONFIG)
     # The other foot points along y, and its left is along -x.
     side = -0.3 if foot == LEFT else 0.3
     np.testing.assert_allclose(step.p_WF, [1.0 + side, 0.0, 0.1], atol=1e-12)
@@ -119,7 +120,7 @@ def test_a_walk_without_steps_catches_a_lost_balance_at_once(walk, observe):
     phase, body, request = entered(walk, seen)
     outcome = walk.update(phase, seen, body, request, leaving=False)
     assert isinstance(outcome.state, WalkSwing)
-    assert outcome.state.progress.last_was_own
+    assert outcome.state.progress.last_was_recovery
     assert outcome.state.step.p_WF[0] > 0.2
     (event,) = outcome.events
     assert event.kind == "recovery"
@@ -129,60 +130,64 @@ def test_a_walk_without_steps_catches_a_lost_balance_at_once(walk, observe):
     phase, body, request = entered(walk, rest)
     phase = replace(phase, elapsed=phase.duration)
     outcome = walk.update(phase, rest, body, request, leaving=False)
-    assert isinstance(outcome.state, WalkSettle)
+    assert isinstance(outcome.state, FinalTransfer)
 
 
-def test_lift_off_is_hurried_while_the_balance_is_lost(walk, observe, walk_message):
+def test_lift_off_is_brought_forward_while_the_balance_is_lost(
+    walk, observe, walk_message
+):
     pushed = observe(speed=PUSHED)
     message = walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14))
     phase, body, request = entered(walk, observe(), message)
     outcome = walk.update(phase, pushed, body, request, leaving=False)
-    hurried = outcome.state
-    assert isinstance(hurried, WalkShift)
-    assert hurried.hurried
-    assert hurried.duration - hurried.elapsed == pytest.approx(
+    brought_forward = outcome.state
+    assert isinstance(brought_forward, InitialTransfer)
+    assert brought_forward.brought_forward
+    assert brought_forward.duration - brought_forward.elapsed == pytest.approx(
         CONFIG.rules.hurried_transfer
     )
-    late = replace(hurried, elapsed=hurried.duration)
+    late = replace(brought_forward, elapsed=brought_forward.duration)
     outcome = walk.update(late, pushed, body, request, leaving=False)
     assert isinstance(outcome.state, WalkSwing)
     # Without a push the same phase goes on.
     outcome = walk.update(phase, observe(), body, request, leaving=False)
-    assert not outcome.state.hurried
+    assert not outcome.state.brought_forward
     assert outcome.state.duration == phase.duration
 
 
-def settled(walk, observe, apart):
-    """A walk at rest after a caught balance, the right foot ``apart`` [m] behind."""
+def settled(walk, observe, foot, apart):
+    """A walk at rest after a recovery step of ``foot``, the other ``apart`` behind."""
     seen = observe()
     phase, body, request = entered(walk, seen)
     phase = replace(phase, elapsed=phase.duration)
     settle = walk.update(phase, seen, body, request, leaving=False).state
-    left, right = settle.progress.feet
-    width = walk._balance.stance.width
-    right = FootPose(left.p_WF - [apart, width, 0.0], right.R_WF)
+    feet = list(settle.progress.feet)
+    beside = outward(1 - foot) * StanceConfig().width
+    place = feet[foot].p_WF + np.array([-apart, beside, 0.0])
+    feet[1 - foot] = FootPose(place, feet[foot].R_WF)
     progress = replace(
         settle.progress,
-        feet=(left, right),
-        own_index=1,
+        feet=tuple(feet),
+        recovery_index=1,
         last_index=1,
-        last_foot=LEFT,
+        last_foot=foot,
         next_index=2,
     )
     settle = replace(settle, progress=progress, elapsed=settle.duration + 1.0)
     return walk.update(settle, seen, body, request, leaving=False)
 
 
-def test_feet_apart_after_a_caught_balance_are_put_side_by_side(walk, observe):
-    outcome = settled(walk, observe, 0.2)
-    assert isinstance(outcome.state, WalkShift)
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_feet_apart_after_a_recovery_step_are_squared_up(walk, observe, foot):
+    outcome = settled(walk, observe, foot, 0.2)
+    assert isinstance(outcome.state, InitialTransfer)
     (step,) = outcome.state.progress.pending
     assert isinstance(step, Footstep)
-    assert (step.foot, step.index) == (RIGHT, 2)
+    assert (step.foot, step.index) == (1 - foot, 2)
     assert not outcome.finished
     # Feet that still stand apart after that step are put side by side again.
-    assert outcome.state.progress.own_index == 2
-    assert settled(walk, observe, 0.02).finished
+    assert outcome.state.progress.recovery_index == 2
+    assert settled(walk, observe, foot, 0.02).finished
 
 
 # ---- in a simulation ---------------------------------------------------------
@@ -210,8 +215,9 @@ def pushed(speed, direction=(1.0, 0.0), behavior="STAND", **fields):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
-@pytest.mark.parametrize("direction", [(1.0, 0.0), (-1.0, 0.0)], ids=["ahead", "back"])
+@pytest.mark.parametrize(
+    ("behavior", "direction"), [("STAND", (1.0, 0.0)), ("MANIPULATE", (-1.0, 0.0))]
+)
 def test_a_pushed_robot_steps_and_stands_again(behavior, direction):
     sim = pushed(0.5, direction, behavior)
     assert not sim.has_fallen

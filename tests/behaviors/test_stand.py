@@ -1,61 +1,17 @@
 """STAND on the simulated robot: upright, at rest, also with joints of the user."""
 
-import math
-
 import numpy as np
 import pytest
 
-from atlas_drake import (
-    AtlasCommand,
-    AtlasSimInterfaceCommand,
-    AtlasSimulation,
-    AtlasState,
-    Scenario,
-)
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.stand.stand import Stand, _towards
+from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
-from atlas_drake.scenario import Jitter
 
 from .conftest import as_request
-
-
-@pytest.mark.slow
-def test_a_foot_that_starts_in_the_air_lands_softly():
-    # One sole begins 15 mm above the ground.
-    scenario = Scenario(
-        model="atlas_v3",
-        physics_step=0.003,
-        control_period=0.009,
-        jitter=Jitter(position=0.02, orientation=np.radians(2.0), joints=0.02),
-        seed=7004,
-    )
-    sim = AtlasSimulation(scenario)
-    fastest = 0.0
-    while sim.time < 0.2:
-        sim.advance(scenario.control_period)
-        fastest = max(fastest, np.abs(sim.atlas_state.velocity).max())
-    assert fastest < 60.0  # [rad/s], of an ankle that meets the ground.
-    sim.advance_to(0.8)
-    assert not sim.has_fallen
-    assert sim.summary()["max_pelvis_tilt_rad"] < 0.1
-
-
-@pytest.mark.parametrize("way", [(0.03, 0.0), (0.0, -0.03), (-0.03, 0.04)])
-def test_the_reference_goes_straight_to_the_middle_and_stays(way):
-    begin, speed = np.array([0.2, -0.1]), 0.01
-    goal, place = begin + way, begin
-    ticks = math.ceil(np.hypot(*way) / speed)
-    for tick in range(1, ticks):
-        place = _towards(place, goal, speed)
-        done = tick * speed / np.hypot(*way)
-        np.testing.assert_allclose(place, begin + done * np.array(way))
-    place = _towards(place, goal, speed)
-    np.testing.assert_array_equal(place, goal)
-    assert _towards(place, goal, speed) is place
 
 
 def test_the_weight_moves_to_the_middle_at_eight_centimetres_a_second(robot, observe):
@@ -170,13 +126,6 @@ def shared(record):
     return recording
 
 
-def written_law(state, robot):
-    """The user's law at the reported gains, with set-points in force from the start."""
-    return np.array(state.kp_position) * (
-        robot.stand_prep - np.array(state.position)
-    ) - np.array(state.kd_position) * np.array(state.velocity)
-
-
 @pytest.mark.slow
 def test_user_joints_droop_by_gravity_over_stiffness(shared, robot):
     state = shared.sim.atlas_state
@@ -191,29 +140,3 @@ def test_user_joints_droop_by_gravity_over_stiffness(shared, robot):
     )
     # Some do hang visibly, and by their weight.
     assert np.abs(droop[arm]).max() > 0.01
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("k", [0, 102, 204, 255])
-def test_efforts_are_blended_joint_by_joint(shared, robot, k):
-    state = shared.sim.atlas_state
-    joints = np.flatnonzero(np.array(state.k_effort) == k)
-    assert joints.size
-    user = written_law(state, robot)
-    behavior = np.array(shared.sim.atlas_sim_interface_state.f_out)
-    blended = (k * user + (255 - k) * behavior) / 255.0
-    # What is left is the user's damping, taken at the step's end.
-    atol = 0.0 if k == 0 else 0.05
-    np.testing.assert_allclose(
-        np.array(state.effort)[joints], blended[joints], atol=atol
-    )
-
-
-@pytest.mark.slow
-def test_a_small_push_is_no_fall(record):
-    recording = record()
-    for force in ((90.0, 0.0, 0.0), (-60.0, 0.0, 0.0), (0.0, 90.0, 0.0)):
-        recording.sim.apply_push("utorso", force, 0.2)
-        recording.advance(1.5)
-    assert not recording.sim.has_fallen
-    assert recording.sim.summary()["max_pelvis_tilt_rad"] < 0.2

@@ -22,11 +22,13 @@ from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
 
@@ -129,6 +131,18 @@ def test_a_rise_at_the_limit_is_taken_despite_rounding_of_the_soles_height(
     assert ("out of reach" in str(outcome.events)) != taken
 
 
+def test_a_foot_is_lifted_no_higher_than_its_leg_folds(step, observe):
+    command = request(x=0.1)
+    action = command.command.step_params.desired_step_spec.action
+    action.lift_height = action.swing_height = 0.2
+    action.knee_nominal = 0.9
+    taken = shifting(step, observe(), command).step
+    assert 0.1 < taken.action.lift_height <= 0.2
+    rise = taken.action.lift_height + taken.action.swing_height
+    assert rise < 0.35
+    assert taken.swing_height == pytest.approx(rise, abs=0.01)
+
+
 @pytest.mark.parametrize("speed", [0.45, -0.45])
 def test_no_weight_shift_begins_while_the_robot_tips(step, observe, speed):
     seen, command = observe(speed=speed), request()
@@ -193,7 +207,7 @@ def in_phase(kind, state, **fields):
 
 def commanded(step, state, seen):
     """Both feet's contacts; the reference is held still for the look."""
-    _, feet = step._control(state).command_feet(state, seen)
+    _, feet = step.control(state).command_feet(state, seen)
     return [foot.contact for foot in feet]
 
 
@@ -210,11 +224,21 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     least = RULES.settling_load * balance.weight
     assert feet[pressed].min_normal_force == pytest.approx(least)
     assert feet[1 - pressed].min_normal_force == 0.0
-    # The CoP is wanted at the outer edge of the other foot: no load on this one.
+    # The CoP is desired at the outer edge of the other foot: no load on this one.
     away = seen.terms.feet[pressed].p_WF[:2] - here
     settling = standing_still_at(state, here + away)
     feet = commanded(step, settling, seen)
     assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_foot_that_landed_is_pressed_in_the_first_part_of_the_shift(step, observe):
+    seen = observe()
+    rest = entered(step, seen, request())
+    rest = replace(rest, shift=replace(rest.shift, duration=2.0), touchdown_foot=LEFT)
+    for share, pressed in ((0.35, True), (0.45, False)):
+        feet = commanded(step, replace(rest, shift_time=2.0 * share), seen)
+        assert (feet[LEFT].min_normal_force > 0.0) == pressed
+        assert feet[RIGHT].min_normal_force == 0.0
 
 
 def test_an_unloaded_foot_is_loaded_again_when_the_cop_needs_it(step, observe, balance):
@@ -240,7 +264,7 @@ def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
     stance = state.feet[1 - foot].p_WF[:2]
     for left in (0.75, 0.5, 0.25):
         elapsed = duration * (1.0 - left * RULES.unload_share)
-        still = {"elapsed": elapsed, "heel": 0.0, "fresh": None}
+        still = {"elapsed": elapsed, "heel": 0.0, "touchdown_foot": None}
         state = standing_still_at(state, stance, duration, **still)
         feet = commanded(step, state, observe(above=stance))
         loads = [feet[side].max_normal_force for side in (foot, 1 - foot)]
@@ -272,6 +296,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_gives_an_event(
     done = replace(settling, elapsed=RULES.settle)
     outcome = tick(step, done, observe(), command)
     assert isinstance(outcome.state, Rest)
+    assert (outcome.state.touchdown_foot, outcome.state.lean) == (foot, 0.0)
     (event,) = outcome.events
     at_rest = observe().foot_pose(foot).p_WF
     miss = 1e3 * np.hypot(*(at_rest - state.step.p_WF)[:2])
@@ -332,17 +357,6 @@ def test_the_event_at_the_end_names_the_steps_left_out(step, observe):
     assert tick(step, done, seen, command, leaving=True).events == ()
 
 
-def test_status_flags_tell_weight_shift_from_swing(step, observe):
-    seen, command = observe(), request()
-    state = shifting(step, seen, command)
-    for phase, flag in (
-        (StepShift, StepStatus.SUBSTATE_SWAYING),
-        (StepSwing, StepStatus.SUBSTATE_STEPPING),
-    ):
-        now = in_phase(phase, state, elapsed=0.0)
-        assert tick(step, now, seen, command).status_flags == flag
-
-
 def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
     state = shifting(step, observe(), request())
     goal, swing = state.step.pose, state.swing
@@ -364,31 +378,30 @@ def raised(state, foot, rise):
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
-    state = entered(step, observe(), request())
-    state = raised(state, 1 - foot, 0.05)
-    progress = replace(state.progress, request=request(foot=foot))
-    wanted = step._beginning.requested(replace(state, progress=progress))
-    assert wanted.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
-
-
-@pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     state = entered(step, observe(), request())
 
     def height(state):
-        reach = step._control(state).reach(state)
-        return step._stance.body_target(state, reach).height
+        reach = step.control(state).reach(state)
+        return step.tools.body_target(state, reach).height
 
     level = height(state)
     up = height(raised(state, foot, 0.01))
     assert up == pytest.approx(level + 0.005)
+    # Its heading is between theirs, too.
+    feet = list(state.feet)
+    feet[foot] = FootPose(feet[foot].p_WF, rotation_z(0.2))
+    turned = replace(state, feet=tuple(feet))
+    target = step.tools.body_target(turned, step.control(turned).reach(turned))
+    assert target.yaw == pytest.approx(0.1, abs=1e-3)
 
 
 @pytest.mark.parametrize("speed", [0.0, RULES.rest_speed + 0.01])
 def test_a_step_cut_short_ends_at_rest(step, observe, speed):
     command = request()
     state = shifting(step, observe(), command)
+    flying = in_phase(StepSwing, state, elapsed=0.1)
+    assert not tick(step, flying, observe(), command, leaving=True).finished
     for elapsed in (-0.1, 0.1):
         landed = in_phase(Rest, state, elapsed=state.shift.duration + elapsed)
         cut_short = replace(landed, progress=replace(landed.progress, leaving=True))
@@ -469,7 +482,7 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
         assert heel(time)[1] > 0.0
     assert not replace(state, heel=0.0).heel_motion(0.5)[0]
     # On its toes the foot still widens the support, but carries no moment.
-    shift = step._control(state)
+    shift = step.control(state)
     flat, raised = (
         shift.support(replace(state, elapsed=time)) for time in (0.0, 0.9 * end)
     )
@@ -478,15 +491,29 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
     ahead = state.feet[LEFT].p_WF[:2] + length
     assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
     assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
+    # The legs have to reach the sole as it is now, and raised in full at lift-off.
+    rising = replace(state, elapsed=0.8 * end)
+    reach, half = shift.reach(rising), step.tools.planner.half_length
+    for pose, angle in (
+        (reach.now[LEFT], rising.heel_motion(0.5)[0]),
+        (reach.later[LEFT][1], 0.3),
+    ):
+        expected = on_toes(state.feet[LEFT], angle, half)
+        np.testing.assert_allclose(pose.p_WF, expected.p_WF, atol=1e-12)
     # Its contact moves to the toes while the heel is up.
     whole, toes = (
-        commanded(step, replace(state, elapsed=time, fresh=None), observe())[LEFT]
+        commanded(step, replace(state, elapsed=time, touchdown_foot=None), observe())[
+            LEFT
+        ]
         for time in (0.0, 0.9 * end)
     )
     assert whole.patch.corners[:, 0].min() < -0.05
     assert toes.patch.corners[:, 0].min() > 0.05
     assert shift.are_both_flat(replace(state, elapsed=begins))
-    assert not shift.are_both_flat(replace(state, elapsed=0.9 * end))
+    for elapsed in (0.9 * end, end):
+        now = replace(state, elapsed=elapsed)
+        assert not shift.are_both_flat(now)
+        assert shift.support(now).distance_outside(behind) > 0.0
 
 
 @pytest.fixture
@@ -498,7 +525,7 @@ def lowered(step, observe):
         state = shifting(step, observe(), command)
         action = replace(state.step.action, step_end_dist=lean)
         rising = {"elapsed": 0.0, "step": replace(state.step, action=action)}
-        stance = step._stance.balance.support(state.feet[1 - foot])
+        stance = step.tools.balance.support(state.feet[1 - foot])
         swing = in_phase(StepSwing, state, **rising, support=stance)
         assert tick(step, swing, observe(), command).state.elapsed > 0.0
         above = replace(swing, elapsed=swing.swing.duration - swing.swing.lower)
@@ -529,7 +556,7 @@ def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
 
     def reserves(share):
         end = shift.start + share * lean * ahead
-        omega = step._stance.omega(observe(), (lower.feet[1 - foot],))
+        omega = step.tools.omega(observe(), (lower.feet[1 - foot],))
         moved = WeightShift(shift.start, end, shift.duration)
         inside = -lower.support.distance_outside(end) - RULES.lean_inside
         return inside, -moved.cop_outside(lower.support, omega) - RULES.cop_inside
@@ -584,9 +611,12 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
     state = shifting(step, observe(), request(foot=foot))
 
     def height(state):
-        return step._control(state).reach(state).height
+        return step.control(state).reach(state).height
 
     settling = in_phase(StepSettle, state)
+    above = step.tools.planner.height(state.step.action)
+    stance_z = settling.feet[1 - foot].p_WF[2]
+    assert height(settling) == pytest.approx(stance_z + above)
     assert height(raised(settling, foot, 0.1)) == height(settling)
     higher = height(raised(settling, 1 - foot, 0.1))
     assert higher == pytest.approx(height(settling) + 0.1)

@@ -9,16 +9,25 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.walk.both_feet import steps_left_out
-from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.both_feet import is_dcm_lost, steps_left_out
+from atlas_drake.behaviors.walk.config import WalkConfig, WalkRules
 from atlas_drake.behaviors.walk.gait import stance_cop
-from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
-from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
+    Transfer,
+    WalkSwing,
+)
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body import ComTask
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
 
@@ -42,6 +51,12 @@ def walk(make_tools, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
     return Walk(make_tools(height), WalkConfig())
+
+
+@pytest.fixture(scope="module")
+def weight(robot):
+    """Of the robot [N]."""
+    return robot.mass * GRAVITY
 
 
 def raised(pose, height):
@@ -69,7 +84,7 @@ def test_a_step_too_high_from_the_feet_at_lift_off_ends_the_walk(
     if height == 0.0:
         assert isinstance(outcome.state, WalkSwing)
         return
-    assert isinstance(outcome.state, WalkSettle)
+    assert isinstance(outcome.state, FinalTransfer)
     assert outcome.state.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
@@ -110,11 +125,11 @@ def test_lift_off_waits_for_the_dcm_but_not_with_a_straight_leg(
     phase = replace(phase, elapsed=phase.duration + late, plan_time=phase.duration)
     miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
     seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
-    after, _ = walk._control(phase).advance(phase, seen, False)
+    after, _ = walk.control(phase).advance(phase, seen, False)
     assert isinstance(after, WalkSwing) == lifts
     if lifts:
         assert after.step.foot == foot
-        swing = walk._timing.swing(after.sent.duration)
+        swing = WalkConfig().timing.swing(after.sent.duration)
         assert after.duration == pytest.approx(swing - min(late, seen.dt))
     else:
         # The plan stands still while lift-off waits.
@@ -124,7 +139,7 @@ def test_lift_off_waits_for_the_dcm_but_not_with_a_straight_leg(
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_the_foot_that_lifts_off_next_is_unloaded_evenly(
-    walk, observe, walk_message, foot
+    walk, observe, walk_message, weight, foot
 ):
     seen = observe()
     request = as_request(walk_message((1, foot, 0.2, 0.14 * outward(foot))))
@@ -132,9 +147,9 @@ def test_the_foot_that_lifts_off_next_is_unloaded_evenly(
 
     def loads(share):
         now = replace(phase, elapsed=share * phase.duration)
-        _, feet = walk._control(now).command_feet(now, seen)
+        _, feet = walk.control(now).command_feet(now, seen)
         loads = [feet[side].contact.max_normal_force for side in (foot, 1 - foot)]
-        return np.array(loads) / walk._balance.weight
+        return np.array(loads) / weight
 
     # The sole is trusted with so much before; none is left at lift-off.
     begins = 1.0 - RULES.unload_share
@@ -157,11 +172,16 @@ def swinging(walk, observe, walk_message):
         step = (1, foot, 0.2, 0.14 * outward(foot))
         ahead = (2, 1 - foot, 0.4, -0.14 * outward(foot))
         begun = shifting(walk, seen, as_request(walk_message(step, ahead)), 0.0)
-        phase = walk._planner.swing(begun.progress, 0.0)
+        phase = walk.planner.swing(begun.progress, 0.0)
         motion = replace(phase.motion, elapsed=elapsed)
         return replace(phase, elapsed=elapsed, plan_time=elapsed, motion=motion)
 
     return make
+
+
+def adjusted(walk, phase, seen):
+    """The swing after a tick in which balance may move its landing."""
+    return walk.control(phase).command_feet(phase, seen)[0]
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -182,9 +202,7 @@ def test_a_moved_step_leaves_the_error_that_the_ankles_can_hold(
     # Ahead and outward, where there is room for the landing place to move.
     side = (1.0, outward(foot))[axis]
     error[axis] = side * (held + 0.02) / growth
-    moved = walk._control(phase)._adjust_step(
-        phase, observe(above=phase.planned.dcm + error)
-    )
+    moved = adjusted(walk, phase, observe(above=phase.planned.dcm + error))
     change = moved.plan.evaluate(touchdown).dcm - phase.plan.evaluate(touchdown).dcm
     rest = error * growth - change
     assert rest[axis] == pytest.approx(side * held, abs=1e-6)
@@ -194,16 +212,52 @@ def test_a_moved_step_leaves_the_error_that_the_ankles_can_hold(
         for more, moves in ((-0.01, False), (0.0015, False), (0.0025, True)):
             final = sign * side * (held + more * phase.sensitivity)
             seen = observe(above=phase.planned.dcm + np.eye(2)[axis] * final / growth)
-            moved = walk._control(phase)._adjust_step(phase, seen)
-            assert (moved is not phase) == moves
+            moved = adjusted(walk, phase, seen)
+            assert (moved.plan is not phase.plan) == moves
+
+
+def test_a_dcm_is_lost_beyond_what_is_planned(walk, observe, walk_message):
+    request = as_request(walk_message((1, LEFT, 0.2, 0.14)))
+    phase = shifting(walk, observe(), request, 0.0)
+    planned = phase.planned.dcm
+    # The plan itself is 4 cm outside of this region.
+    corners = np.array([[-1.0, -1.0], [-0.04, -1.0], [-0.04, 1.0], [-1.0, 1.0]])
+    phase = replace(phase, support=SupportPolygon(planned + corners))
+    for ahead, lost in ((-0.06, False), (0.0, False), (0.02, False), (0.04, True)):
+        seen = observe(above=planned + np.array([ahead, 0.0]))
+        assert is_dcm_lost(phase, seen, 0.03) == lost
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("duration", [0.69, 0.71])
+def test_a_tick_of_a_swing_moves_the_plan_on_and_the_foot_in_the_air(
+    walk, observe, walk_message, swinging, foot, duration
+):
+    phase, seen = swinging(foot, 0.1), observe()
+    phase = replace(phase, step=replace(phase.step, duration=duration))
+    request = phase.progress.request
+    outcome = walk.update(phase, seen, capture_body(seen.terms), request, False)
+    assert outcome.state.plan_time == pytest.approx(phase.plan_time + seen.dt)
+    # Left and right sole come first among the tasks; the other one alone carries.
+    command = outcome.command
+    assert [contact.frame for contact in command.contacts] == [
+        command.tasks[1 - foot].frame
+    ]
+    assert command.tasks[foot].target[5] > 1.0
+    # In a slow step the height of the center of mass does not yield.
+    (height,) = [task for task in command.tasks if isinstance(task, ComTask)]
+    weights = ControlGains().weights
+    quick = duration <= RULES.quick_step
+    expected = weights.com_height_quick if quick else weights.com_height
+    assert height.weight[2] == expected
 
 
 def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swinging):
     for before, moves in ((0.01, True), (-0.01, False)):
         phase = swinging(LEFT, swinging(LEFT, 0.0).duration - RULES.frozen_end - before)
         seen = observe(above=phase.planned.dcm + np.array([0.3, 0.0]))
-        moved = walk._control(phase)._adjust_step(phase, seen)
-        assert (moved is not phase) == moves
+        moved = adjusted(walk, phase, seen)
+        assert (moved.plan is not phase.plan) == moves
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -219,13 +273,13 @@ def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swingin
     ],
 )
 def test_touchdown_is_felt_by_the_foot_in_the_air(
-    walk, observe, swinging, foot, left, force, touches
+    walk, observe, swinging, weight, foot, left, force, touches
 ):
     phase = swinging(foot, swinging(foot, 0.0).duration - left)
     felt = np.zeros(2)
-    felt[foot] = force * walk._balance.weight
+    felt[foot] = force * weight
     seen = replace(observe(), foot_force=felt)
-    after, _ = walk._control(phase).advance(phase, seen, False)
+    after, _ = walk.control(phase).advance(phase, seen, False)
     if not touches:
         assert after is phase
         return
@@ -237,13 +291,13 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
         before, now = getattr(phase.progress, kept), getattr(after.progress, kept)
         assert now[1 - foot] is before[1 - foot]
     # The step after it touches down when it would have after a touchdown in time.
-    transfer = walk._timing.transfer(phase.progress.pending[0].duration)
+    transfer = WalkConfig().timing.transfer(phase.progress.pending[0].duration)
     assert after.duration == pytest.approx(
         transfer + min(left, RULES.transfer_change * transfer)
     )
     # The other foot's load says nothing.
     elsewhere = replace(seen, foot_force=felt[::-1].copy())
-    assert walk._control(phase).advance(phase, elsewhere, False)[0] is phase
+    assert walk.control(phase).advance(phase, elsewhere, False)[0] is phase
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -252,8 +306,8 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
 ):
     seen = observe()
     begun = shifting(walk, seen, as_request(walk_message()), 0.0)
-    settle = walk._planner.settle(begun.progress, begun.planned.cop)
-    end = settle.duration + walk._timing.rest
+    settle = walk.planner.final_transfer(begun.progress, begun.planned.cop)
+    end = settle.duration + WalkConfig().timing.rest
     for late, speed, over in (
         (0.01, 0.9 * RULES.rest_speed, True),
         (0.01, 1.1 * RULES.rest_speed, False),
@@ -264,7 +318,7 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
         velocity[axis] = speed
         now = replace(seen, terms=replace(seen.terms, com_velocity=velocity))
         phase = replace(settle, elapsed=end + late)
-        assert walk._settling.is_over(phase, now) == over
+        assert walk.control(phase).is_over(phase, now) == over
     (event,) = steps_left_out(settle, 1.0, leaving=False)
     assert event.text.startswith("WALK ends without a step")
     # Nothing is left out if the end was asked for.
@@ -279,10 +333,18 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
     phase = shifting(walk, seen, as_request(walk_message(*steps)), 0.0)
     warned = frozenset({(1, "place"), (2, "place"), (2, "pace")})
     phase = replace(phase, progress=replace(phase.progress, warned=warned))
-    assert walk._read_queue(phase, phase.progress.request) is phase
+    body = capture_body(seen.terms)
     steps[1] = (2, RIGHT, 0.3, -0.14)
-    read = walk._read_queue(phase, as_request(walk_message(*steps)))
+    request = as_request(walk_message(*steps))
+    read = walk.update(phase, seen, body, request, leaving=False).state
     assert read.progress.warned == {(1, "place")}
+    # A step out of reach is warned of when its message comes, and once.
+    steps[1] = (2, RIGHT, 2.0, -0.14)
+    request = as_request(walk_message(*steps))
+    later = replace(phase, elapsed=0.1)
+    outcome = walk.update(later, seen, body, request, leaving=False)
+    assert [event.data["index"] for event in outcome.events] == [2]
+    assert walk.update(outcome.state, seen, body, request, False).events == ()
     assert [step.p_WF[0] for step in read.progress.pending] == [0.2, 0.3]
 
 
@@ -318,11 +380,15 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
 
 
 def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
-    timing, swing = walk._timing, swinging(LEFT, 0.1)
+    timing, swing = WalkConfig().timing, swinging(LEFT, 0.1)
     single, double = timing.swing(0.63), timing.transfer(0.63)
-    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
-    landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
-    over = walk._planner.settle(replace(swing.progress, pending=()), swing.planned.cop)
+    begun = walk.planner.initial_transfer(
+        swing.progress, swing.planned.dcm, swing.planned.cop
+    )
+    landed = walk.planner.land(swing.progress, swing.planned.cop, 0.0)
+    over = walk.planner.final_transfer(
+        replace(swing.progress, pending=()), swing.planned.cop
+    )
     for phase, duration in (
         (begun, timing.first_shift + single + timing.settle),
         (swing, single + double + single + timing.settle),
@@ -332,20 +398,22 @@ def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
         assert phase.plan.duration == pytest.approx(duration)
 
 
-def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
+def test_steps_that_come_while_the_robot_settles_are_taken(
+    walk, observe, robot, swinging
+):
     going, seen = swinging(LEFT, 0.1), observe()
-    settle = walk._planner.settle(going.progress, going.planned.cop)
-    _, feet = walk._control(settle).command_feet(settle, seen)
-    soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
+    settle = walk.planner.final_transfer(going.progress, going.planned.cop)
+    _, feet = walk.control(settle).command_feet(settle, seen)
+    soles = [foot.sole_frame for foot in robot.file.feet]
     assert [foot.contact.frame for foot in feet] == soles
-    again, _ = walk._control(settle).advance(settle, seen, False)
-    assert isinstance(again, WalkShift)
+    again, _ = walk.control(settle).advance(settle, seen, False)
+    assert isinstance(again, InitialTransfer)
     assert again.unloading == RIGHT
     np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
     blocked = replace(settle, obstacle="step 2 leads up")
     done = replace(settle, progress=replace(settle.progress, pending=()))
     for phase in (blocked, done):
-        assert walk._control(phase).advance(phase, seen, False) == (phase, ())
+        assert walk.control(phase).advance(phase, seen, False) == (phase, ())
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -364,10 +432,26 @@ def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
 
     # A foot in the air lands first; with both feet down the robot settles.
     assert isinstance(leave(swing), WalkSwing)
-    landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
-    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    landed = walk.planner.land(swing.progress, swing.planned.cop, 0.0)
+    begun = walk.planner.initial_transfer(
+        swing.progress, swing.planned.dcm, swing.planned.cop
+    )
     for phase in (landed, begun):
-        assert isinstance(leave(phase), WalkSettle)
+        assert isinstance(leave(phase), FinalTransfer)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_body_rises_and_turns_with_either_foot(walk, observe, walk_message, foot):
+    seen, request = observe(), as_request(walk_message())
+    body = capture_body(seen.terms)
+    phase = walk.enter(seen, body, request)
+    feet = list(phase.progress.feet)
+    feet[foot] = FootPose(raised(feet[foot], 0.1).p_WF, rotation_z(0.3))
+    phase = replace(phase, progress=replace(phase.progress, feet=tuple(feet)))
+    level = walk.update(walk.enter(seen, body, request), seen, body, request, False)
+    after = walk.update(phase, seen, body, request, leaving=False)
+    assert after.body.height > level.body.height
+    assert after.body.yaw > level.body.yaw
 
 
 def test_steps_of_a_message_end_the_demonstration(walk, observe, walk_message):

@@ -55,18 +55,6 @@ def test_a_height_far_from_the_stance_foot_is_ignored_with_the_normal(z):
     np.testing.assert_array_equal(taken.normal, UP)
 
 
-def test_a_relative_height_is_never_ignored():
-    done = resolve_height(step(0.9, relative=True), STANCE, LIMITS)
-    assert done.p_WF[2] == pytest.approx(GROUND + 0.9)
-
-
-def test_a_normal_straight_down_saturates_to_level_ground():
-    down = np.array([0.0, 0.0, -1.0])
-    np.testing.assert_array_equal(
-        saturate(step(GROUND, normal=down), STANCE, LIMITS).normal, UP
-    )
-
-
 @pytest.mark.parametrize("climb", [-0.1, -0.02, 0.0, 0.02, 0.1])
 def test_a_climb_needs_a_swing_that_clears_it(climb):
     start = FootPose(np.array([0.0, 0.1, GROUND]), np.eye(3))
@@ -159,20 +147,6 @@ def test_a_demonstration_that_takes_over_continues_with_the_other_foot(last):
     assert (steps[0].index, steps[0].foot) == (7, 1 - last)
     assert steps[-1].index == DEMO_STEPS
     assert steps_asked_for((), params, feet(), DEMO_STEPS + 1, GAIT, last) == ()
-
-
-def test_a_demonstration_heads_along_the_mean_yaw_of_both_feet():
-    left, right = feet(yaw=0.4)[LEFT], feet(yaw=0.2)[RIGHT]
-    assert demo_steps((left, right), 1, LEFT, GAIT)[0].yaw == pytest.approx(0.3)
-
-
-def test_a_demonstration_ignores_the_queue():
-    sent = AtlasBehaviorStepData(step_index=1, foot_index=RIGHT, duration=2.0)
-    params = AtlasBehaviorWalkParams(use_demo_walk=True)
-    params.step_queue[0] = sent
-    steps = steps_asked_for((), params, feet(), 1, GAIT)
-    assert steps[0].foot == LEFT
-    assert steps[0].duration < 1.0
 
 
 @pytest.mark.parametrize("relative", [False, True])

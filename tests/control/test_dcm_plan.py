@@ -58,15 +58,6 @@ def test_cop_is_the_segments(segments, plan):
         start += segment.duration
 
 
-def test_dcm_is_continuous_even_where_the_cop_jumps():
-    first = CopSegment(0.4, np.array([0.0, 0.1]), np.array([0.0, 0.1]))
-    second = CopSegment(0.5, np.array([0.3, -0.1]), np.array([0.3, -0.1]))
-    plan = DcmPlan([first, second], OMEGA)
-    before, after = plan.evaluate(0.4 - 1e-9), plan.evaluate(0.4 + 1e-9)
-    np.testing.assert_allclose(before.dcm, after.dcm, atol=1e-7)
-    assert np.abs(before.cop - after.cop).max() > 0.1
-
-
 def test_ends_at_rest_over_the_last_cop(segments, plan):
     end = plan.evaluate(plan.duration)
     np.testing.assert_allclose(end.dcm, segments[-1].end, atol=1e-12)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.feet.footstep import landing_error, outward, saturate
+from atlas_drake.control.feet.footstep import outward, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z, wrap_angle
@@ -115,12 +115,6 @@ def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, 
         swing_height=0.5 * (LIMITS.swing_height.least + LIMITS.swing_height.greatest),
     )
     assert_same(saturate(commanded, stance, LIMITS), commanded)
-
-
-def test_landing_error_is_horizontal():
-    step = Footstep(1, LEFT, np.array([1.0, 2.0, 0.0]), 0.0, 0.7, 0.1)
-    landed = FootPose(np.array([1.03, 1.96, 0.5]), np.eye(3))
-    assert landing_error(step, landed) == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, 2.5])

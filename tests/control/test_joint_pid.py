@@ -312,25 +312,3 @@ def test_single_joints_with_the_tutorials_gains_come_to_rest(tutorial_inertia, d
         + 2.0 * factor * dt
     )
     assert (np.abs(q[-1]) <= 0.1 * np.exp(-0.3 * DURATION / longest) + 1e-12).all()
-
-
-def test_under_a_constant_load_joints_droop_by_load_over_stiffness(tutorial_inertia):
-    load, stiffness, dt = -3.0, 200.0, PHYSICS_STEPS[-1]
-    command = command_of(
-        len(tutorial_inertia),
-        kp_position=stiffness,
-        kp_velocity=TUTORIAL_KP_VELOCITY,
-    )
-    true = 3.0 * tutorial_inertia
-    q, _ = simulate(command, tutorial_inertia, true, dt, 4.0, load)
-    np.testing.assert_allclose(q[-1], load / stiffness, atol=1e-5)
-
-
-@pytest.mark.parametrize("share", [0.1, 0.5])
-def test_a_share_of_the_law_is_stable_too(tutorial_inertia, share):
-    command = command_of(len(TUTORIAL_KP), kp_velocity=TUTORIAL_KP_VELOCITY)
-    command = dataclasses.replace(command, kp_position=TUTORIAL_KP)
-    inertia = tutorial_inertia
-    q, v = simulate(command, inertia, inertia, 0.001, 2.0, share=share)
-    assert np.abs(q).max() <= 0.1 + 1e-9
-    assert np.abs(v[-1]).max() < 0.1

@@ -10,9 +10,9 @@ from atlas_drake.control.estimation.attitude import (
 )
 from atlas_drake.control.estimation.leg_odometry import (
     OdometryTuning,
-    _slip,
     correct,
     predict,
+    slip_rate,
     start_odometry,
 )
 from atlas_drake.control.whole_body.model import GRAVITY
@@ -93,18 +93,6 @@ def test_a_foot_is_anchored_anew_where_it_lands():
     np.testing.assert_allclose(state.p_WF, feet, atol=1e-6)
 
 
-def test_a_foot_that_lands_early_by_a_kick_does_not_push_the_pelvis():
-    # A sole that still slides under little load is believed much less than the other.
-    state = start()
-    grazing = np.array([0.95, 0.05])
-    slide = np.array([np.zeros(3), [0.01, 0.0, 0.0]])
-    for k in range(50):
-        state = predict(state, np.zeros(3), rest(), DT, TUNING)
-        feet = FEET + k / 50 * slide
-        state = correct(state, feet - P_WI, REST, grazing, DT, TUNING)
-    np.testing.assert_allclose(state.p_WI, P_WI, atol=5e-4)
-
-
 @pytest.mark.parametrize("speed", [0.15, 0.5])
 def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
     before = state = stay(start(), 500, bias=BIAS)
@@ -125,17 +113,6 @@ def test_a_hanging_robot_does_not_fly_away():
     # The bias alone is 1.4 m in 4 s.
     assert np.linalg.norm(state.p_WI - P_WI) < 0.2
     np.testing.assert_allclose(state.v_WI, 0.0, atol=0.01)
-
-
-def test_the_covariance_stays_one():
-    random = np.random.default_rng(1)
-    state = start()
-    for k in range(600):
-        load = [BOTH, LEFT, 1.0 - LEFT, NONE][k // 50 % 4]
-        state = predict(state, random.normal(0.0, 1e-3, 3), rest(), DT, TUNING)
-        state = correct(state, FEET - P_WI, REST, load, DT, TUNING)
-        np.testing.assert_array_equal(state.covariance, state.covariance.T)
-        assert np.linalg.eigvalsh(state.covariance).min() > -1e-12
 
 
 def test_the_covariance_moves_on_as_the_mean_does():
@@ -182,10 +159,18 @@ def test_a_wrong_tilt_is_forgotten_at_its_rate(period):
 def test_a_foot_drifts_the_more_the_less_it_carries_and_the_faster_it_moves():
     t = OdometryTuning()
     firm, loose = t.slip, t.slip + t.loose_slip
-    assert _slip(t.full_load, t.still, t) == _slip(1.0, 0.0, t) == pytest.approx(firm)
-    assert _slip(t.no_load, 0.0, t) == _slip(-0.1, 9.0, t) == pytest.approx(loose)
-    assert _slip(1.0, t.sliding, t) == _slip(1.0, 9.0, t) == pytest.approx(loose)
+    assert (
+        slip_rate(t.full_load, t.still, t)
+        == slip_rate(1.0, 0.0, t)
+        == pytest.approx(firm)
+    )
+    assert (
+        slip_rate(t.no_load, 0.0, t) == slip_rate(-0.1, 9.0, t) == pytest.approx(loose)
+    )
+    assert (
+        slip_rate(1.0, t.sliding, t) == slip_rate(1.0, 9.0, t) == pytest.approx(loose)
+    )
     between = 0.5 * np.array([t.no_load + t.full_load, t.still + t.sliding])
     half = t.slip + 0.25 * t.loose_slip
-    assert _slip(between[0], 0.0, t) == pytest.approx(half)
-    assert _slip(1.0, between[1], t) == pytest.approx(half)
+    assert slip_rate(between[0], 0.0, t) == pytest.approx(half)
+    assert slip_rate(1.0, between[1], t) == pytest.approx(half)

@@ -35,13 +35,6 @@ def test_every_share_in_the_range_will_do_and_no_other(cop):
         assert reaches(np.array(cop), share) == inside
 
 
-def test_the_outer_edge_of_one_foot_leaves_the_other_nothing():
-    assert load_share_range(np.array([0.0, 0.25]), LEFT, RIGHT) == pytest.approx((0, 0))
-    # The middle of a foot leaves it as much as its half width gives.
-    low, high = load_share_range(np.array([0.0, 0.2]), LEFT, RIGHT)
-    assert (low, high) == pytest.approx((0.0, 0.05 / 0.4))
-
-
 def test_a_point_outside_has_one_share_that_is_nearest():
     low, high = load_share_range(np.array([0.0, 0.4]), LEFT, RIGHT)
     assert low == high == 0.0

@@ -91,14 +91,6 @@ def test_crossed_bounds_are_noticed(index):
     assert not solve(problem).found
 
 
-def test_contradicting_rows_are_noticed():
-    problem = random_program(3)
-    problem.A[1] = problem.A[0]
-    row = VARIABLES
-    problem.lower[row : row + 2], problem.upper[row : row + 2] = [0.1, -0.2], [0.2, 0.0]
-    assert not solve(problem).found
-
-
 @pytest.mark.parametrize("name", ["H", "f", "lower", "upper"])
 def test_values_that_are_no_numbers_are_noticed(name):
     problem = random_program(5)

@@ -85,13 +85,6 @@ def test_angular_velocity_and_acceleration_are_those_of_the_orientation(tipped):
     )
 
 
-def test_the_sole_turns_from_the_first_to_the_second_foothold(swing):
-    _, references = path(swing)
-    R = stacked(references, "R_WF")
-    np.testing.assert_allclose(R[0], HOME.R_WF, atol=1e-9)
-    np.testing.assert_allclose(R[-1], swing.goal.R_WF, atol=1e-9)
-
-
 def test_the_speed_is_bounded_and_the_duration_what_is_asked_beyond_that(swing):
     _, references = path(swing)
     speed = np.linalg.norm(stacked(references, "v_WF"), axis=1).max()
@@ -129,19 +122,6 @@ def test_a_late_foot_descends_to_a_bound(swing):
         depth = PROFILE.press_depth + PROFILE.deepest
         assert deepest.p_WF[2] == pytest.approx(ground - depth)
         np.testing.assert_array_equal(deepest.v_WF, 0.0)
-
-
-def test_a_step_on_the_spot_still_takes_its_time():
-    swing = plan(x=0.0)
-    assert min(swing.lift, swing.move, swing.lower) >= PROFILE.shortest_part
-
-
-@pytest.mark.parametrize("angle", [0.5, -1.0])
-def test_a_turn_on_the_spot_takes_the_time_of_its_arc(angle):
-    slow = 0.1
-    goal = FootPose(HOME.p_WF, rotation_z(0.4 + angle))
-    swing = plan_step_swing(HOME, HOME, goal, LIFT, 0.0, 0.1, slow, PROFILE)
-    assert swing.move == pytest.approx(PEAK_SPEED * TURN_RADIUS * abs(angle) / slow)
 
 
 def test_the_time_across_is_that_of_the_horizontal_way_with_turn_and_rise():

@@ -32,28 +32,6 @@ def test_hull_is_convex_counter_clockwise_and_of_the_points(seed):
     assert max(polygon.distance_outside(p) for p in points) <= 1e-12
 
 
-def test_hull_does_not_depend_on_order_or_repetition():
-    points = cloud(0)
-    shuffled = np.random.default_rng(0).permutation(np.vstack([points, points]))
-    np.testing.assert_array_equal(
-        SupportPolygon(points).vertices, SupportPolygon(shuffled).vertices
-    )
-
-
-def test_points_on_an_edge_are_no_corners():
-    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-    points = [np.array(p) for p in [*square, (0.5, 0.0), (1.0, 0.3), (0.2, 0.2)]]
-    polygon = SupportPolygon(points)
-    assert {tuple(v) for v in polygon.vertices} == set(square)
-
-
-def test_heights_are_ignored():
-    flat, raised = cloud(0), np.column_stack([cloud(0), np.linspace(-1.0, 1.0, 30)])
-    np.testing.assert_array_equal(
-        SupportPolygon(flat).vertices, SupportPolygon(raised).vertices
-    )
-
-
 @given(x=COORDINATES, y=COORDINATES, seed=st.integers(0, 5))
 def test_clamp_gives_the_nearest_point(x, y, seed):
     polygon = SupportPolygon(0.4 * cloud(seed))

@@ -1,7 +1,5 @@
 """Feedback laws of single tasks: each closed loop behaves as documented."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -9,12 +7,10 @@ from atlas_drake.control.balance.feedback import (
     dcm,
     height_acceleration,
     pendulum_frequency,
-    stance_acceleration,
 )
 from atlas_drake.control.gains import PdGains
+from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.control.whole_body.tasks import orientation_acceleration
-from atlas_drake.rotations import rotation_z
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 
@@ -42,17 +38,11 @@ def test_height_acceleration(terms):
     assert height_acceleration(terms, z, rate + 0.1, GAINS) == pytest.approx(0.8)
 
 
-def test_orientation_acceleration_turns_towards_the_target():
-    w = np.array([0.1, -0.2, 0.3])
-    now, wanted = rotation_z(0.5), rotation_z(0.6)
-    still = orientation_acceleration(now, w, now, w, GAINS)
-    np.testing.assert_allclose(still, 0.0, atol=1e-15)
-    towards = orientation_acceleration(wanted, w, now, w, GAINS)
-    np.testing.assert_allclose(towards, [0.0, 0.0, 50.0 * math.sin(0.1)], atol=1e-12)
-    braked = orientation_acceleration(now, 0.0 * w, now, w, GAINS)
-    np.testing.assert_allclose(braked, -8.0 * w, atol=1e-12)
-
-
-def test_stance_acceleration_opposes_the_soles_velocity(terms):
-    foot = terms.feet[1]
-    np.testing.assert_allclose(stance_acceleration(foot, 12.0), -12.0 * foot.V_WF)
+@pytest.mark.parametrize(("period", "gain"), [(0.002, 0.002), (0.008, 0.001)])
+def test_a_falling_robot_damps_its_joints_within_their_limits(period, gain):
+    limit = np.array([100.0, 5.0])
+    np.testing.assert_allclose(damping_mode_gain(limit, period), gain * limit)
+    v = np.array([-10.0, 1e4])
+    np.testing.assert_allclose(
+        damping_effort(v, limit, period), [gain * 1e3, -limit[1]]
+    )

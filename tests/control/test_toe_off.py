@@ -3,12 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.sole import (
-    TOES,
-    on_toes,
-    toe_corners,
-    toe_off_reference,
-)
+from atlas_drake.control.feet.sole import TOES, on_toes, toe_corners, toe_off_reference
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_vector, rotation_z
 

@@ -11,7 +11,7 @@ from atlas_drake.control.joints.blend import (
     forecast_user_effort,
 )
 from atlas_drake.control.whole_body.constraints import EffortBounds
-from atlas_drake.control.whole_body.qp import _within_behavior_share
+from atlas_drake.control.whole_body.qp import within_behavior_share
 from atlas_drake.control.whole_body.tasks import PostureTask
 
 LIMIT = np.array([10.0, 20.0, 30.0, 40.0])
@@ -113,14 +113,6 @@ def test_a_damper_beyond_the_limit_still_yields():
     assert bounds.added_inertia[3] == 2.0
 
 
-def test_without_gains_the_forecast_is_the_feed_forward():
-    forecast = forecast_user_effort(
-        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 1.5)), DT, STEP
-    )
-    assert (forecast.effort[0], forecast.inertia[0]) == (3.0, 0.0)
-    assert forecast.excess[0] == 1.5
-
-
 def test_a_posture_asks_of_a_shared_joint_what_its_effort_can_do(standing):
     n = len(standing.q)
     user = UserForecast(np.full(n, 5.0), np.full(n, 0.3), np.zeros(n))
@@ -130,11 +122,11 @@ def test_a_posture_asks_of_a_shared_joint_what_its_effort_can_do(standing):
     inertia = standing.M.diagonal()[6:] + share * user.inertia
     for sign, bound in ((-1.0, bounds.lower), (1.0, bounds.upper)):
         far = PostureTask(np.full(n, sign * 1e6), weight)
-        asked = _within_behavior_share(far, standing, bounds, QpWeights())
+        asked = within_behavior_share(far, standing, bounds, QpWeights())
         np.testing.assert_allclose(gravity + inertia * asked.target, bound)
         # The weight fades with the behavior's part.
         assert asked.weight[0] == 2.0
         assert (np.diff(asked.weight) <= 0.0).all()
         assert 0.0 < asked.weight[-1] < 1e-4
     own = EffortBounds(bounds.lower, bounds.upper, bounds.user_held)
-    assert _within_behavior_share(far, standing, own, QpWeights()) is far
+    assert within_behavior_share(far, standing, own, QpWeights()) is far

@@ -22,18 +22,6 @@ def shift():
     return WeightShift(np.array([0.1, 0.0]), np.array([0.15, 0.2]), 1.3)
 
 
-def test_goes_from_rest_to_rest(shift):
-    for time, place in (
-        (0.0, shift.start),
-        (-0.1, shift.start),
-        (shift.duration, shift.end),
-        (2.0 * shift.duration, shift.end),
-    ):
-        p, v, a = shift.motion(time)
-        np.testing.assert_allclose(p, place, atol=1e-12)
-        np.testing.assert_allclose([v, a], 0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("time", [0.1, 0.6, 1.2])
 def test_velocity_and_acceleration_are_derivatives(shift, time):
     (before, _, _), (p, v, a), (after, _, _) = map(

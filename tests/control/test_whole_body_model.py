@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pydrake.multibody.tree import MultibodyForces
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
 
 SEEDS = range(2)
@@ -161,12 +160,6 @@ def test_equations_of_motion_are_drakes(model, state, terms):
     np.testing.assert_allclose(terms.M @ acceleration + terms.h, expected, atol=1e-8)
 
 
-def test_gravity_is_the_plants(model):
-    np.testing.assert_array_equal(
-        model.plant.gravity_field().gravity_vector(), [0.0, 0.0, -GRAVITY]
-    )
-
-
 def test_joints_are_in_message_order(model, random_state):
     robot, plant = model.robot, model.plant
     context = model.create_context()
@@ -195,8 +188,3 @@ def test_terms_do_not_depend_on_what_a_context_was_used_for(model, random_state)
                 np.testing.assert_array_equal(
                     getattr(terms, field.name), getattr(kept, field.name), field.name
                 )
-
-
-def test_the_nominal_height_counts_from_the_soles(model, standing):
-    assert model.robot.com_height == pytest.approx(standing.com[2])
-    assert standing.com[2] > 0.5

@@ -307,15 +307,15 @@ def test_the_behaviors_configuration_comes_from_the_scenario():
     for setting, words in (
         ("rest.depth=2", "less than or equal to 1"),
         ("rest.deph=0.2", "Did you mean 'depth'"),
-        ("rst.depth=0.2", "Did you mean 'rest'?.*registered behaviors: rest"),
-        ("REST.depth=0.2", "Did you mean 'rest'"),
+        ("rst.depth=0.2", "Did you mean 'rest'"),
+        ("REST.depth=0.2", "no such field"),
         ("gians.dcm_gain=2", "Did you mean 'gains'"),
     ):
         scenario = with_settings(Scenario(), [f"controller.{setting}"])
         with pytest.raises(ScenarioError, match=words) as raised:
             AtlasSimulation(scenario, behaviors=[entry])
         assert raised.value.field.startswith("controller." + setting.split(".")[0])
-    with pytest.raises(ScenarioError, match="registered behaviors: none"):
+    with pytest.raises(ScenarioError, match="no such field"):
         AtlasSimulation(with_settings(Scenario(), ["controller.rest.depth=0.4"]))
     with pytest.raises(ScenarioError, match="there is no such field"):
         with_settings(Scenario(), ["controller.rest=0.4"])
@@ -438,5 +438,5 @@ def test_a_plan_of_another_type_is_refused(bow):
 
     sim = AtlasSimulation(behaviors=[replace(bow, make=make)])
     sim.publish(asked("BOW"))
-    with pytest.raises(BehaviorError, match="plan of BOW must return Plan, returned"):
+    with pytest.raises(BehaviorError, match="plan of BOW must be Plan"):
         sim.advance(0.02)

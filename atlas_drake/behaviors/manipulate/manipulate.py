@@ -7,25 +7,28 @@ can stand. Trunk and pelvis turn as one; arms and neck keep their positions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.pelvis.pelvis_pose import (
+    PelvisLead,
     PelvisMotion,
     PelvisPose,
+    PelvisRange,
+    PelvisRates,
     Stance,
     at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorManipulateFeedback,
@@ -37,34 +40,42 @@ from atlas_drake.rotations import tilt_of
 
 
 @dataclass(frozen=True)
+class ManipulateConfig(Configuration):
+    """Parameters of MANIPULATE."""
+
+    range: PelvisRange = field(default_factory=PelvisRange)
+    """Range of pelvis poses."""
+    reserves: PelvisReserves = field(default_factory=PelvisReserves)
+    """Reserves for balance, which limit the pelvis poses further."""
+    rates: PelvisRates = field(default_factory=PelvisRates)
+    """Speed and acceleration of pelvis and CoM."""
+    lead: PelvisLead = field(default_factory=PelvisLead)
+    """Largest lead of the reference over a robot that does not follow."""
+    foot_slip: NotNegative = 0.002
+    """Re-latch the pose of a sole that slipped farther than this [m]. Small, because
+    all poses are relative to the soles."""
+    arms_moved: NotNegative = 0.01
+    """Clamp the requested pose again when the CoM of trunk and arms has moved this far
+    in the pelvis frame, for example when the user's arms reach out [m]."""
+    home: NotNegative = 0.002
+    """Hand over to STAND when the reference is this near to STAND's pose [m], [rad]."""
+
+
+@dataclass(frozen=True)
 class ManipulateState:
-    """State of MANIPULATE: requested pose, goal and reference of the pelvis.
+    """State of MANIPULATE: requested pose, goal and reference of the pelvis."""
 
-    Attributes:
-        stance: Latched poses of the feet.
-        commanded: The requested pose, not clamped.
-        goal: The requested pose, clamped.
-        home: STAND's pose, at which MANIPULATE begins and ends.
-        motion: The reference, which moves towards the goal.
-        upper: Trunk and arms at the time of the last clamping.
-        sensed: The measured pose.
-        request: The last request read; None to read it again.
-        demo_time: Time since the beginning of the demo [s]; None without demo.
-        demo_share: Share of the demo's movement that the legs allow [-].
-        waits: True while the user controls a leg joint, and the reference rests.
-    """
-
-    stance: Stance
-    commanded: PelvisPose
-    goal: PelvisPose
-    home: PelvisPose
-    motion: PelvisMotion
-    upper: np.ndarray
-    sensed: PelvisPose
-    request: BehaviorRequest | None = None
-    demo_time: float | None = None
-    demo_share: float = 0.0
-    waits: bool = False
+    stance: Stance  # Latched poses of the feet
+    commanded: PelvisPose  # The requested pose, not clamped
+    goal: PelvisPose  # The requested pose, clamped
+    home: PelvisPose  # STAND's pose, at which MANIPULATE begins and ends
+    motion: PelvisMotion  # The reference, which moves towards the goal
+    upper: np.ndarray  # Trunk and arms at the time of the last clamping
+    sensed: PelvisPose  # The measured pose
+    request: BehaviorRequest | None = None  # Last request read; None: read it again
+    demo_time: float | None = None  # Time since the demo began [s]; None without demo
+    demo_share: float = 0.0  # Share of the demo's movement that the legs allow [-]
+    waits: bool = False  # The user controls a leg joint, and the reference rests
 
     def dcm_reference(self, omega: float) -> DcmReference:
         """Computes the references of DCM and CoP for the pendulum's frequency [1/s]."""
@@ -214,10 +225,7 @@ class Manipulate(BehaviorProtocol):
     # ---- requested pose ------------------------------------------------------
 
     def _listen(
-        self,
-        state: ManipulateState,
-        observation: Observation,
-        request: BehaviorRequest,
+        self, state: ManipulateState, observation: Observation, request: BehaviorRequest
     ) -> ManipulateState:
         """Reads a request."""
         state = replace(state, request=request)
@@ -227,8 +235,7 @@ class Manipulate(BehaviorProtocol):
                 return state
             upper = self._reach.upper_body(observation.terms, state.stance)
             share = demo_amplitude(
-                state.home,
-                lambda pose: self._reach.allows(pose, state.stance, upper),
+                state.home, lambda pose: self._reach.allows(pose, state.stance, upper)
             )
             return replace(state, demo_time=0.0, demo_share=share)
         if params.use_desired:
@@ -300,9 +307,7 @@ class Manipulate(BehaviorProtocol):
         straighten = self._back & ~observation.user_held
         step = self._posture_rates.joints * observation.dt
         joints[straighten] += np.clip(
-            self._balance.robot.stand_prep[straighten] - joints[straighten],
-            -step,
-            step,
+            self._balance.robot.stand_prep[straighten] - joints[straighten], -step, step
         )
         above = float(terms.com[2] - terms.p_WP[2])
         rising = float(terms.com_velocity[2] - terms.V_WP[5])

@@ -31,13 +31,7 @@ _SHARES = (1.0, 0.75, 0.5, 0.25)
 
 
 def demo_pose(home: PelvisPose, share: float, time: float) -> PelvisPose:
-    """Computes the pose of the demo.
-
-    Args:
-        home: The pose about which the pelvis moves.
-        share: Share of the whole movement, 0 to 1 [-].
-        time: Time since the beginning of the demo [s].
-    """
+    """Computes the pose of the demo about ``home``, ``share`` of the whole movement."""
     index, phase = divmod(time / PERIOD, 1.0)
     name, size, kind = MOVEMENTS[int(index) % len(MOVEMENTS)]
     # Begins and ends at rest.

@@ -16,13 +16,8 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import (
-    BodyRates,
-    BodyReference,
-    BodyTarget,
-    advance_body,
-)
-from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.body_reference import BodyRates, BodyReference, BodyTarget
+from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
@@ -32,6 +27,26 @@ from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw
+
+
+@dataclass(frozen=True)
+class StandConfig(Configuration):
+    """Parameters of STAND and STAND_PREP."""
+
+    com_speed: NotNegative = 0.08
+    """Speed of the CoM reference towards the middle of the feet [m/s]."""
+    foot_slip: NotNegative = 0.01
+    """Re-latch the pose of a sole that slipped farther than this [m]."""
+    recovery_steps: bool = True
+    """Whether STAND and MANIPULATE hand over to WALK for a step when the DCM leaves the
+    support polygon. The step is made to the height of the ground below the feet."""
+    recovery_margin: NotNegative = 0.01
+    """Distance of the DCM outside the support polygon from which a step is needed
+    [m]."""
+    recovery_load: NotNegative = 0.3
+    """Least load on both feet for a step, in weights of the robot: a robot that hangs
+    does not step [-]."""
+
 
 _UPRIGHT = read_only(np.zeros(2))
 ARRIVED = 0.01
@@ -45,23 +60,14 @@ Pose: TypeAlias = (
 
 @dataclass(frozen=True)
 class StandState:
-    """State of STAND: latched feet and CoM reference.
+    """State of STAND: latched feet and CoM reference."""
 
-    Attributes:
-        feet: Latched poses of the left and right sole.
-        support: Region of the CoP on the feet.
-        middle: Middle between the feet in W [m], shape (3,).
-        yaw: Mean heading of the feet [rad].
-        com: Reference of the center of mass, horizontal in W [m], shape (2,).
-        height: Height of the center of mass in W, within the reach of the legs [m].
-    """
-
-    feet: tuple[FootPose, FootPose]
-    support: SupportPolygon
-    middle: np.ndarray
-    yaw: float
-    com: np.ndarray
-    height: float
+    feet: tuple[FootPose, FootPose]  # Latched poses of the left and right sole
+    support: SupportPolygon  # Region of the CoP on the feet
+    middle: np.ndarray  # Middle between the feet in W [m], shape (3,)
+    yaw: float  # Mean heading of the feet [rad]
+    com: np.ndarray  # Reference of the center of mass, horizontal in W [m], shape (2,)
+    height: float  # Height of the center of mass in W, within the reach of the legs [m]
 
 
 class Stand(BehaviorProtocol):
@@ -75,15 +81,7 @@ class Stand(BehaviorProtocol):
         config: StandConfig | None = None,
         pose: Pose | None = None,
     ):
-        """Stands with the center of mass ``nominal_height`` [m] above the soles.
-
-        Args:
-            balance: Gains, support polygons and tasks.
-            nominal_height: Height of the center of mass above the soles [m].
-            rates: Speed limits of trunk and posture.
-            config: Parameters; None for the defaults.
-            pose: Change of the upright target of trunk and posture, if any.
-        """
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         self._pose = pose
         self._config = config or StandConfig()
         self._balance = balance
@@ -128,14 +126,7 @@ class Stand(BehaviorProtocol):
         if self._pose is not None:
             target = self._pose(target, observation, request, leaving)
             finished = leaving and _has_arrived(body, target)
-        body = advance_body(
-            body,
-            target,
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        body = observation.advance_body(body, target, self._rates)
         command = self._balance.command(
             observation,
             body,

@@ -25,18 +25,18 @@ from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import mean_yaw
 
-LEAST = {
+MIN_VALUES = {
     "sway_duration": 0.2,
     "swing_height": 0.1,
     "lift_height": 0.1,
     "knee_nominal": 0.3,
 }
 """A value below this is ignored [s], [m], [m], [rad]; all others below or at 0 are."""
-LARGEST_END_DISTANCE = 0.05
+MAX_END_DISTANCE = 0.05
 """End distances beyond this are ignored [m]."""
 
 
-LARGEST_ACTION = StepAction(
+MAX_ACTION = StepAction(
     step_duration=20.0,
     sway_duration=20.0,
     swing_height=0.20,
@@ -54,14 +54,14 @@ distances."""
 def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
     """Returns the message's values, with ``default`` where a threshold ignores them."""
     bounded = {}
-    for name, largest in vars(LARGEST_ACTION).items():
+    for name, largest in vars(MAX_ACTION).items():
         if name == "toe_off":
             continue
         value = getattr(sent, name)
         if name in ("sway_end_dist", "step_end_dist"):
-            counts = abs(value) <= LARGEST_END_DISTANCE
+            counts = abs(value) <= MAX_END_DISTANCE
         else:
-            counts = value > 0.0 and value >= LEAST.get(name, 0.0)
+            counts = value > 0.0 and value >= MIN_VALUES.get(name, 0.0)
         value = value if counts else getattr(default, name)
         bounded[name] = min(max(value, -largest), largest)
     return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))
@@ -72,16 +72,11 @@ SIDE_BY_SIDE = 0.02
 
 
 def desired_step(
-    params: AtlasBehaviorStepParams,
-    feet_z: tuple[float, float],
-    default: StepAction,
+    params: AtlasBehaviorStepParams, feet_z: tuple[float, float], default: StepAction
 ) -> Footstep | None:
     """Returns the step that a message requests; None if it requests none.
 
-    Args:
-        params: Parameters of the message.
-        feet_z: Heights of the left and right sole in W [m].
-        default: Parameters for those that the message leaves open.
+    ``feet_z`` are the heights of the soles in W [m].
     """
     if params.use_spec:
         desired = _from_spec(params.desired_step_spec, default)
@@ -96,14 +91,7 @@ def desired_step(
 def demo_step(
     feet: tuple[FootPose, FootPose], index: int, default: StepAction, gait: Gait
 ) -> Footstep | None:
-    """Returns a step ahead with the rear foot; None after the demo's last step.
-
-    Args:
-        feet: Poses of the left and the right sole.
-        index: Index of the step.
-        default: Parameters of the step.
-        gait: Distances between footprints.
-    """
+    """Returns a step ahead with the rear foot; None after the demo's last step."""
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
     behind = float(ahead @ (feet[1].p_WF[:2] - feet[0].p_WF[:2])) < -SIDE_BY_SIDE
@@ -150,8 +138,8 @@ def _from_data(
     arc = step.swing_height - rise - default.lift_height
     action = replace(
         default,
-        step_duration=min(step.duration, LARGEST_ACTION.step_duration),
-        swing_height=min(max(arc, default.swing_height), LARGEST_ACTION.swing_height),
+        step_duration=min(step.duration, MAX_ACTION.step_duration),
+        swing_height=min(max(arc, default.swing_height), MAX_ACTION.swing_height),
     )
     return replace(step, action=action)
 

@@ -1,6 +1,6 @@
 """REST, SHIFT and SETTLE: both feet are down.
 
-Computes each tick of these phases; the beginning of a step is in ``beginning``.
+Computes each tick of these phases; ``tools`` begins and ends the steps.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import with_foot
-from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.phases import (
     Rest,
     StepSettle,
@@ -19,11 +18,7 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.step_balance import (
-    Reach,
-    StepBalance,
-    StepPhaseControl,
-)
+from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
@@ -35,42 +30,36 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 class RestControl(StepPhaseControl[Rest]):
     """Stands over the middle of the feet until a step is requested."""
 
-    def __init__(self, balance: StepBalance, beginning: StepBeginning):
-        super().__init__(balance)
-        self._beginning = beginning
-
     def advance(
         self, phase: Rest, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Begins the requested step; after an abandoned step, only at rest."""
         if phase.gave_up and phase.elapsed < phase.shift.duration:
             return phase, ()
-        return self._beginning.begin(phase, observation, leaving)
+        return self._tools.begin(phase, observation, leaving)
 
     def reach(self, phase: Rest) -> Reach:
         """Returns both feet, with the body half-way between them."""
-        return self._balance.reach_at_rest(phase.feet)
+        return self._tools.reach_at_rest(phase.feet)
 
     def command_feet(
         self, phase: Rest, observation: Observation
     ) -> tuple[Rest, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted; a foot that just landed is pressed flat."""
-        balance = self._balance
-        if phase.fresh is None or not balance.is_fresh(phase):
-            return phase, balance.balance.standing(observation)
+        tools = self._tools
+        if phase.touchdown_foot is None or not tools.is_early(phase):
+            return phase, tools.balance.standing(observation)
         cop = self.cop(phase, observation)
-        return phase, balance.pressed(phase, observation, phase.fresh, cop)
+        return phase, tools.touchdown(phase, observation, phase.touchdown_foot, cop)
 
 
 class ShiftControl(StepPhaseControl[StepShift]):
     """Shifts the weight until the foot is unloaded, or abandons the step."""
 
-    def __init__(self, balance: StepBalance, beginning: StepBeginning):
-        super().__init__(balance)
-        self._beginning = beginning
-        self._rules = balance.rules
-        self._half_length = balance.planner.half_length
-        self._weight = balance.balance.weight
+    def __init__(self, tools: StepTools):
+        super().__init__(tools)
+        self._rules = tools.rules
+        self._half_length = tools.planner.half_length
 
     def advance(
         self, phase: StepShift, observation: Observation, leaving: bool
@@ -81,12 +70,12 @@ class ShiftControl(StepPhaseControl[StepShift]):
         rules = self._rules
         late = phase.elapsed > phase.shift.duration + rules.longest_wait
         support = self.support(phase)
-        outside = self._balance.dcm_outside(phase, observation, support)
+        outside = self._tools.dcm_outside(phase, observation, support)
         if late or outside > -rules.dcm_lost:
             # A disturbance acts on the robot.
             index = phase.progress.index
             text = f"step {index} is not taken: its foot cannot be unloaded"
-            rest = self._beginning.rest(phase, observation, phase.feet)
+            rest = self._tools.rest_after(phase, observation, phase.feet)
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(rest, gave_up=True), (event,)
         return phase, ()
@@ -104,36 +93,36 @@ class ShiftControl(StepPhaseControl[StepShift]):
         later[step.foot] = (step.foot, raised)
         later.append((step.foot, step.pose))
         stance = phase.feet[phase.stance]
-        return Reach(self._balance.height_over(stance, step), now, later)
+        return Reach(self._tools.height_over(stance, step), now, later)
 
     def command_feet(
         self, phase: StepShift, observation: Observation
     ) -> tuple[StepShift, tuple[FootCommand, FootCommand]]:
         """Unloads the leaving foot and raises its heel, after pressing a new foot."""
-        balance, foot = self._balance, phase.step.foot
+        tools, foot = self._tools, phase.step.foot
         cop = self.cop(phase, observation)
         angle, rate, acceleration = self._heel(phase)
         on_toes = angle > 0.0
-        if phase.fresh is not None and balance.is_fresh(phase):
-            feet = balance.pressed(phase, observation, phase.fresh, cop, on_toes)
-            return phase, feet
+        landed = phase.touchdown_foot
+        if landed is not None and tools.is_early(phase):
+            return phase, tools.touchdown(phase, observation, landed, cop, on_toes)
         rest = 1.0 - phase.elapsed / phase.shift.duration
         load = max(rest / self._rules.unload_share, 0.01)
-        load = max(load, balance.load_range(phase, foot, cop, on_toes)[0])
+        load = max(load, tools.load_range(phase, foot, cop, on_toes)[0])
         if not on_toes:
-            command = balance.balance.planted(observation, foot, load)
-            return phase, balance.planted(observation, foot, command)
+            command = tools.balance.in_contact(observation, foot, load)
+            return phase, tools.with_stance(observation, foot, command)
         reference = toe_off_reference(
             phase.feet[foot], angle, rate, acceleration, self._half_length
         )
-        command = balance.balance.toeing_off(observation, foot, reference, load)
-        return phase, balance.planted(observation, foot, command)
+        command = tools.balance.toeing_off(observation, foot, reference, load)
+        return phase, tools.with_stance(observation, foot, command)
 
     def support(self, phase: StepShift) -> SupportPolygon:
         """Returns the present region of the CoP; a raised heel carries no load."""
         if self._heel(phase)[0] == 0.0:
             return phase.support
-        return self._balance.balance.support_on_toes(
+        return self._tools.balance.support_on_toes(
             phase.feet[phase.stance], phase.feet[phase.step.foot]
         )
 
@@ -149,47 +138,36 @@ class ShiftControl(StepPhaseControl[StepShift]):
         if phase.elapsed < phase.shift.duration:
             return False
         load = observation.foot_force[phase.step.foot]
-        if load > self._rules.still_loaded * self._weight:
+        if load > self._rules.still_loaded * self._tools.balance.weight:
             return False
-        omega = self._balance.omega(observation, (phase.feet[phase.stance],))
+        omega = self._tools.omega(observation, (phase.feet[phase.stance],))
         error = feedback.dcm(observation.terms, omega) - phase.shift.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
     def _lift_off(self, phase: StepShift, observation: Observation) -> StepSwing:
-        balance = self._balance
-        return StepSwing(
-            progress=phase.progress,
-            feet=phase.feet,
-            support=balance.balance.support(phase.feet[phase.stance]),
-            hips=hips_from_com(observation.terms, balance.planner.legs),
-            shift=phase.shift,
-            shift_time=phase.shift_time,
-            lean=phase.lean,
-            sent=phase.sent,
-            step=phase.step,
-            swing=phase.swing,
+        tools = self._tools
+        return phase.become(
+            StepSwing,
+            support=tools.balance.support(phase.feet[phase.stance]),
+            hips=hips_from_com(observation.terms, tools.planner.legs),
         )
 
 
 class SettleControl(StepPhaseControl[StepSettle]):
     """Presses the new foot flat before the weight moves."""
 
-    def __init__(self, balance: StepBalance, beginning: StepBeginning):
-        super().__init__(balance)
-        self._beginning = beginning
-
     def advance(
         self, phase: StepSettle, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the step, and begins the next step if one is requested."""
-        if phase.elapsed < self._balance.rules.settle:
+        if phase.elapsed < self._tools.rules.settle:
             return phase, ()
         step = phase.step
         landed = observation.foot_pose(step.foot)
-        rest = self._beginning.rest(
+        rest = self._tools.rest_after(
             phase, observation, with_foot(phase.feet, step.foot, landed)
         )
-        following, events = self._beginning.begin(rest, observation, leaving)
+        following, events = self._tools.begin(rest, observation, leaving)
         if phase.went_back:
             return following, events
         landing = footstep_event(observation.time, phase.sent, step, landed)
@@ -198,7 +176,7 @@ class SettleControl(StepPhaseControl[StepSettle]):
     def reach(self, phase: StepSettle) -> Reach:
         """Returns both feet, with the body over the stance foot."""
         stance = phase.feet[phase.stance]
-        height = self._balance.height_over(stance, phase.step)
+        height = self._tools.height_over(stance, phase.step)
         return Reach(height, phase.feet, list(enumerate(phase.feet)))
 
     def command_feet(
@@ -206,4 +184,4 @@ class SettleControl(StepPhaseControl[StepSettle]):
     ) -> tuple[StepSettle, tuple[FootCommand, FootCommand]]:
         """Keeps the stance foot planted and presses the new foot flat."""
         foot, cop = phase.step.foot, self.cop(phase, observation)
-        return phase, self._balance.pressed(phase, observation, foot, cop)
+        return phase, self._tools.touchdown(phase, observation, foot, cop)

@@ -3,14 +3,7 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.step.plan import PostureRules
-from atlas_drake.config import (
-    Configuration,
-    NotNegative,
-    Positive,
-    ProperShare,
-    Share,
-)
+from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
 from atlas_drake.control.feet.step_swing import StepSwingProfile
 
@@ -57,6 +50,35 @@ class StepRules(Configuration):
     least_clearance: NotNegative = 0.04
     """Least height above its footholds to which a foot is lifted, even beyond the reach
     of its leg [m]."""
+
+
+@dataclass(frozen=True)
+class PostureRules(Configuration):
+    """Limits of the posture that unloads the standing knee and extends the reach."""
+
+    knee_efforts: tuple[Share, ...] = (0.78, 0.90)
+    """Shares of the standing knee's effort limit that a posture may need at rest; the
+    second one is tried when the first is not enough [-]."""
+    level: NotNegative = 0.02
+    """Steps that lead up or down by less than this are level [m]."""
+    rise_slack: NotNegative = 0.01
+    """Tolerance of the greatest rise, for ground that differs from the step's height
+    [m]."""
+    drop: NotNegative = 0.02
+    """Distance by which the body sinks for a leg's reach before a heel rises [m]."""
+    steepest_heel: NotNegative = 0.6
+    """Largest angle of a raised heel [rad]."""
+    forced_heel: NotNegative = 0.3
+    """Least angle of a heel that is forced to rise [rad]."""
+    lean: NotNegative = 0.36
+    """Largest forward lean of the trunk [rad]."""
+    ahead: NotNegative = 0.05
+    """Largest distance of the CoM ahead of the sole's middle [m]; like the lean, it
+    reduces the torque of a bent knee."""
+    lean_shift: NotNegative = 0.2
+    """Distance of the hips behind the center of mass per lean [m/rad]."""
+    smallest_share: Share = 0.3
+    """Least share of its length to which a step is shortened [-]."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ Frozen data, and functions of these data alone. ``both_feet`` and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,22 +20,17 @@ from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose, Footstep
 
+Next = TypeVar("Next", bound="StepPhase")
+
 
 @dataclass(frozen=True)
 class StepProgress:
-    """Progress of STEP in any phase.
+    """Progress of STEP in any phase."""
 
-    Attributes:
-        index: Index of the present or last step; 0 before the first step.
-        leaving: True if STAND was requested with a foot in the air.
-        request: The last request that was read; None before the first one.
-        refused: The request whose step cannot be taken.
-    """
-
-    index: int = 0
-    leaving: bool = False
-    request: BehaviorRequest | None = None
-    refused: BehaviorRequest | None = None
+    index: int = 0  # Index of the present or last step; 0 before the first step
+    leaving: bool = False  # True if STAND was requested with a foot in the air
+    request: BehaviorRequest | None = None  # Last request read; None before the first
+    refused: BehaviorRequest | None = None  # The request whose step cannot be taken
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,22 +39,14 @@ class StepPhase(Phase):
 
     ``support`` is the region of the CoP with both soles flat, or on the stance foot;
     ``elapsed`` counts from lift-off in single support.
-
-    Attributes:
-        progress: Progress of the steps, and the requested step.
-        feet: Poses in which the soles are, or last were, on the ground.
-        hips: Hip positions from the center of mass in W [m], shape (2, 3).
-        shift: Motion of the center of mass.
-        shift_time: Time since the beginning of that motion [s].
-        lean: Pitch of the trunk [rad].
     """
 
     progress: StepProgress
-    feet: tuple[FootPose, FootPose]
-    hips: np.ndarray
-    shift: WeightShift
-    shift_time: float = 0.0
-    lean: float = 0.0
+    feet: tuple[FootPose, FootPose]  # Poses of the soles, the last ones on the ground
+    hips: np.ndarray  # Hip positions from the center of mass in W [m], shape (2, 3)
+    shift: WeightShift  # Motion of the center of mass
+    shift_time: float = 0.0  # Time since the beginning of that motion [s]
+    lean: float = 0.0  # Pitch of the trunk [rad]
 
     @property
     def carrying(self) -> tuple[FootPose, ...]:
@@ -75,20 +63,21 @@ class StepPhase(Phase):
         """The present or last step, if any."""
         return None
 
-    def dcm_reference(self, omega: float) -> DcmReference:
-        """Evaluates the present references of DCM and CoP.
+    def become(self, kind: type[Next], **changes: Any) -> Next:
+        """Returns the phase that follows, with the fields that both have."""
+        shared = {
+            name: value
+            for name, value in vars(self).items()
+            if name in kind.__dataclass_fields__
+        }
+        return kind(**{**shared, "elapsed": 0.0, **changes})
 
-        Args:
-            omega: Natural frequency of the pendulum [1/s].
-        """
+    def dcm_reference(self, omega: float) -> DcmReference:
+        """Evaluates the present references of DCM and CoP."""
         return self.shift.evaluate(self.shift_time, omega)
 
     def paths(self, omega: float) -> PlannedPaths:
-        """Returns the paths of the weight shift; in single support, of the swing foot.
-
-        Args:
-            omega: Natural frequency of the pendulum [1/s].
-        """
+        """Returns the paths of the weight shift; in single support, of the foot."""
         shift = self.shift
         times = np.arange(self.shift_time, shift.duration, TIME_STEP)
         if times.size < 2:
@@ -98,29 +87,17 @@ class StepPhase(Phase):
         return PlannedPaths(com=com, dcm=dcm, cop=cop)
 
     def time_left(self, settle: float) -> float:
-        """Computes the time until both feet carry load again [s].
-
-        The planned height of the ground is assumed. A delay does not increase the time.
-
-        Args:
-            settle: Duration of ``StepSettle`` [s].
-        """
+        """Computes the time until both feet carry load on the planned ground [s]."""
         return 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rest(StepPhase):
-    """Both feet are down; the weight shifts to between them and stays there.
+    """Both feet are down; the weight shifts to between them and stays there."""
 
-    Attributes:
-        last: The last step; None before the first step.
-        fresh: Foot that just landed, if any.
-        gave_up: True if the last weight shift was abandoned.
-    """
-
-    last: Footstep | None = None
-    fresh: int | None = None
-    gave_up: bool = False
+    last: Footstep | None = None  # The last step; None before the first step
+    touchdown_foot: int | None = None  # Foot that just landed, if any
+    gave_up: bool = False  # True if the last weight shift was abandoned
 
     @property
     def reported(self) -> Footstep | None:
@@ -130,17 +107,11 @@ class Rest(StepPhase):
 
 @dataclass(frozen=True, kw_only=True)
 class Stepping(StepPhase):
-    """Common part of the phases of a step, from ``StepShift`` to ``StepSettle``.
+    """Common part of the phases of a step, from ``StepShift`` to ``StepSettle``."""
 
-    Attributes:
-        sent: The step as requested.
-        step: The same step as executed.
-        swing: Path of the swing foot.
-    """
-
-    sent: Footstep
-    step: Footstep
-    swing: SwingPath
+    sent: Footstep  # The step as requested
+    step: Footstep  # The same step as executed
+    swing: SwingPath  # Path of the swing foot
 
     @property
     def stance(self) -> int:
@@ -155,22 +126,13 @@ class Stepping(StepPhase):
 
 @dataclass(frozen=True, kw_only=True)
 class StepShift(Stepping):
-    """Both feet are down; the weight shifts over the stance foot.
+    """Both feet are down; the weight shifts over the stance foot."""
 
-    Attributes:
-        heel: Angle by which the leaving foot's heel has risen at lift-off [rad].
-        fresh: Foot that just landed, if any.
-    """
-
-    heel: float
-    fresh: int | None
+    heel: float  # Angle by which the leaving foot's heel has risen at lift-off [rad]
+    touchdown_foot: int | None  # Foot that just landed, if any
 
     def heel_motion(self, begins_share: float) -> tuple[float, float, float]:
-        """Evaluates the angle of the leaving foot's heel with its derivatives [rad].
-
-        Args:
-            begins_share: Share of the weight shift after which the heel rises [-].
-        """
+        """Evaluates the angle of the leaving foot's heel with its derivatives [rad]."""
         if self.heel == 0.0:
             return 0.0, 0.0, 0.0
         begins = begins_share * self.shift.duration
@@ -187,13 +149,9 @@ class StepShift(Stepping):
 
 @dataclass(frozen=True, kw_only=True)
 class InAir(Stepping):
-    """Common part of the phases with a foot in the air: ``StepSwing`` and ``Lower``.
+    """Common part of the phases with a foot in the air: ``StepSwing`` and ``Lower``."""
 
-    Attributes:
-        went_back: True if the foot found no ground and returns to its lift-off pose.
-    """
-
-    went_back: bool = False
+    went_back: bool = False  # The foot found no ground and returns to where it was
 
     @property
     def carrying(self) -> tuple[FootPose, ...]:
@@ -237,13 +195,9 @@ class Lower(InAir):
 
 @dataclass(frozen=True, kw_only=True)
 class StepSettle(Stepping):
-    """Both feet are down; the new foot is pressed flat.
+    """Both feet are down; the new foot is pressed flat."""
 
-    Attributes:
-        went_back: True if the foot returned to its lift-off pose.
-    """
-
-    went_back: bool
+    went_back: bool  # True if the foot returned to its lift-off pose
 
     def time_left(self, settle: float) -> float:
         """Computes the time until both feet carry again [s]."""

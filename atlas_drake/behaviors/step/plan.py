@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.config import Configuration, NotNegative, Share
+from atlas_drake.behaviors.step.config import PostureRules
 from atlas_drake.control.feet.footstep import resolve_height, saturate
 from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
@@ -32,56 +32,16 @@ from atlas_drake.rotations import rotation_z
 
 
 @dataclass(frozen=True)
-class PostureRules(Configuration):
-    """Limits of the posture that unloads the standing knee and extends the reach."""
-
-    knee_efforts: tuple[Share, ...] = (0.78, 0.90)
-    """Shares of the standing knee's effort limit that a posture may need at rest; the
-    second one is tried when the first is not enough [-]."""
-    level: NotNegative = 0.02
-    """Steps that lead up or down by less than this are level [m]."""
-    rise_slack: NotNegative = 0.01
-    """Tolerance of the greatest rise, for ground that differs from the step's height
-    [m]."""
-    drop: NotNegative = 0.02
-    """Distance by which the body sinks for a leg's reach before a heel rises [m]."""
-    steepest_heel: NotNegative = 0.6
-    """Largest angle of a raised heel [rad]."""
-    forced_heel: NotNegative = 0.3
-    """Least angle of a heel that is forced to rise [rad]."""
-    lean: NotNegative = 0.36
-    """Largest forward lean of the trunk [rad]."""
-    ahead: NotNegative = 0.05
-    """Largest distance of the CoM ahead of the sole's middle [m]; like the lean, it
-    reduces the torque of a bent knee."""
-    lean_shift: NotNegative = 0.2
-    """Distance of the hips behind the center of mass per lean [m/rad]."""
-    smallest_share: Share = 0.3
-    """Least share of its length to which a step is shortened [-]."""
-
-
-@dataclass(frozen=True)
 class StepPlan:
-    """Plan of one step.
+    """Plan of one step."""
 
-    Attributes:
-        taken: The step as it can be taken.
-        com: Position of the center of mass over the stance foot, horizontal in W [m],
-            shape (2,).
-        hips: Hip positions from the center of mass, in W [m], shape (2, 3).
-        lean: Pitch of the trunk [rad].
-        heel: Angle by which the leaving heel has risen at lift-off [rad].
-        height: Height of the center of mass in W, within the reach of the legs [m].
-        ceiling: Height in W to which the leaving leg can lift its sole [m].
-    """
-
-    taken: Footstep
-    com: np.ndarray
-    hips: np.ndarray
-    lean: float
-    heel: float
-    height: float
-    ceiling: float
+    taken: Footstep  # The step as it can be taken
+    com: np.ndarray  # CoM over the stance foot, horizontal in W [m], shape (2,)
+    hips: np.ndarray  # Hip positions from the center of mass, in W [m], shape (2, 3)
+    lean: float  # Pitch of the trunk [rad]
+    heel: float  # Rise of the leaving heel at lift-off [rad]
+    height: float  # Height of the center of mass in W, within the reach of the legs [m]
+    ceiling: float  # Height in W to which the leaving leg can lift its sole [m]
 
 
 class StepPlanner:
@@ -120,23 +80,13 @@ class StepPlanner:
         return self._nominal_height + bent - self._nominal_leg
 
     def plan(
-        self,
-        terms: WholeBodyTerms,
-        feet: tuple[FootPose, FootPose],
-        desired: Footstep,
+        self, terms: WholeBodyTerms, feet: tuple[FootPose, FootPose], desired: Footstep
     ) -> StepPlan | None:
-        """Plans a step with the least change of posture, shortened if necessary.
+        """Plans a step with the least change of posture; None if it is out of reach.
 
-        A step to another height is not shortened, because the ground at the shorter
-        distance may have another height; its height is not changed either.
-
-        Args:
-            terms: Kinematics and dynamics at the present state.
-            feet: Poses of both soles on the ground.
-            desired: The requested step.
-
-        Returns:
-            The plan; None for a step that is out of reach.
+        If necessary the step is shortened. A step to another height is not, because the
+        ground at the shorter distance may have another height; its height is not
+        changed either.
         """
         foot, rules = desired.foot, self._rules
         stance = feet[1 - foot]
@@ -149,15 +99,15 @@ class StepPlanner:
         shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
         for knee_effort in rules.knee_efforts:
             for share in shares:
-                nearer = step if share == 1.0 else self._shortened(step, stance, share)
+                nearer = step if share == 1.0 else self.shortened(step, stance, share)
                 for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
-                    plan = self._posture(terms, feet, nearer, effort)
+                    plan = self.posture(terms, feet, nearer, effort)
                     lever = knee_effort * self._lever
                     if self._affordable(plan, feet, lever):
                         return plan
         return None
 
-    def _posture(
+    def posture(
         self,
         terms: WholeBodyTerms,
         feet: tuple[FootPose, FootPose],
@@ -206,10 +156,7 @@ class StepPlanner:
         return max(float(angle), least)
 
     def _affordable(
-        self,
-        plan: StepPlan,
-        feet: tuple[FootPose, FootPose],
-        lever: float,
+        self, plan: StepPlan, feet: tuple[FootPose, FootPose], lever: float
     ) -> bool:
         """True if the standing knee has enough torque at the height of the plan.
 
@@ -220,7 +167,7 @@ class StepPlanner:
             self.legs, plan.hips, plan.com, stance, feet[stance], lever
         )
 
-    def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
+    def shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
         """Returns the step moved towards the place beside the stance foot."""
         R_WS = rotation_z(stance.yaw)
         p_SF = R_WS.T @ (step.p_WF - stance.p_WF)

@@ -1,6 +1,6 @@
 """SWING and LOWER: one foot is in the air, and the body stands over the other.
 
-Computes each tick of these phases; ``beginning`` plans the swing before lift-off.
+Computes each tick of these phases; ``tools`` plans the swing before lift-off.
 """
 
 from __future__ import annotations
@@ -19,13 +19,9 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.step_balance import (
-    Reach,
-    StepBalance,
-    StepPhaseControl,
-)
+from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.feet.step_swing import plan_step_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
@@ -39,7 +35,7 @@ class InAirControl(StepPhaseControl[P]):
         """Returns the stance foot and the foothold, lower if no ground was found."""
         stance = phase.feet[phase.stance]
         feet = with_foot(phase.feet, phase.step.foot, phase.foothold())
-        height = self._balance.height_over(stance, phase.step)
+        height = self._tools.height_over(stance, phase.step)
         return Reach(height, feet, list(enumerate(feet)))
 
     def command_feet(
@@ -48,8 +44,8 @@ class InAirControl(StepPhaseControl[P]):
         """Keeps the stance foot planted and moves the other foot along its swing."""
         foot, swing = phase.step.foot, phase.swing
         reference = swing.evaluate(phase.elapsed)
-        command = self._balance.balance.swinging(observation, foot, reference)
-        return phase, self._balance.planted(observation, foot, command)
+        command = self._tools.balance.swinging(observation, foot, reference)
+        return phase, self._tools.with_stance(observation, foot, command)
 
     def are_both_flat(self, phase: P) -> bool:
         """Returns False: one foot is in the air."""
@@ -73,7 +69,7 @@ class SwingControl(InAirControl[StepSwing]):
         The distance is limited so that the standing foot can still bring the body back
         if the other foot finds no ground.
         """
-        lower = Lower(**phase.__dict__)
+        lower = phase.become(Lower, elapsed=phase.elapsed)
         step, support = phase.step, phase.support
         distance = step.action.step_end_dist
         if distance == 0.0:
@@ -81,8 +77,8 @@ class SwingControl(InAirControl[StepSwing]):
         over, stance = phase.shift.end, phase.feet[phase.stance]
         way = step.p_WF[:2] - stance.p_WF[:2]
         lean = distance * way / np.hypot(*way)
-        omega = self._balance.omega(observation, (stance,))
-        rules = self._balance.rules
+        omega = self._tools.omega(observation, (stance,))
+        rules = self._tools.rules
         for share in np.linspace(1.0, 0.0, 11):
             shift = WeightShift(over, over + share * lean, phase.swing.lower)
             inside = -support.distance_outside(shift.end)
@@ -96,10 +92,9 @@ class SwingControl(InAirControl[StepSwing]):
 class LowerControl(InAirControl[Lower]):
     """Lowers the foot until it touches the ground."""
 
-    def __init__(self, balance: StepBalance, profile: StepSwingProfile):
-        super().__init__(balance)
-        self._profile = profile
-        self._touchdown_force = balance.rules.touchdown_force * balance.balance.weight
+    def __init__(self, tools: StepTools):
+        super().__init__(tools)
+        self._touchdown_force = tools.rules.touchdown_force * tools.balance.weight
 
     def advance(
         self, phase: Lower, observation: Observation, leaving: bool
@@ -115,19 +110,8 @@ class LowerControl(InAirControl[Lower]):
         """Presses the foot flat, because perhaps only an edge touched the ground."""
         foot = phase.step.foot
         feet = with_foot(phase.feet, foot, observation.foot_pose(foot))
-        return StepSettle(
-            progress=phase.progress,
-            feet=feet,
-            support=self._balance.balance.support(*feet),
-            hips=phase.hips,
-            shift=phase.shift,
-            shift_time=phase.shift_time,
-            lean=phase.lean,
-            sent=phase.sent,
-            step=phase.step,
-            swing=phase.swing,
-            went_back=phase.went_back,
-        )
+        support = self._tools.balance.support(*feet)
+        return phase.become(StepSettle, feet=feet, support=support)
 
     def _step_back(
         self, phase: Lower, observation: Observation
@@ -144,17 +128,16 @@ class LowerControl(InAirControl[Lower]):
             action.swing_height,
             action.step_duration,
             action.max_foot_vel,
-            self._profile,
+            self._tools.profile,
         )
         normal = home.R_WF[:, 2].copy()
         step = replace(phase.step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
-        back = StepSwing(**phase.__dict__)
-        back = replace(back, step=step, swing=swing, elapsed=0.0, went_back=True)
+        back = phase.become(StepSwing, step=step, swing=swing, went_back=True)
         if action.step_end_dist != 0.0:
             # Bring the body back over the standing foot, from which it leant.
             over, stance = phase.shift.start, (phase.feet[phase.stance],)
             quick = replace(action, sway_duration=swing.lower)
-            shift = self._balance.shift_to(
+            shift = self._tools.shift_to(
                 observation, over, quick, stance, phase.support
             )
             upright = replace(step, action=replace(action, step_end_dist=0.0))

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import BodyReference, advance_body
+from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import step_data_from
 from atlas_drake.behaviors.step.action import step_spec_from
-from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import (
     RestControl,
     SettleControl,
@@ -32,15 +31,10 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
-from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
+from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
 from atlas_drake.frozen import replace
-from atlas_drake.messages import (
-    NO_STEP,
-    AtlasBehaviorStepFeedback,
-    StepStatus,
-)
+from atlas_drake.messages import NO_STEP, AtlasBehaviorStepFeedback, StepStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
@@ -55,29 +49,23 @@ class Step(BehaviorProtocol):
     """
 
     def __init__(self, tools: BehaviorTools, config: StepConfig):
-        balance, height = tools.balance, tools.nominal_height
+        self._balance = tools.balance
         self._rates = config.body
         self._rules = config.rules
-        planner = StepPlanner(balance, height, config.limits, config.posture)
-        default = StepAction(knee_nominal=planner.nominal_knee)
-        stance = StepBalance(balance, height, planner, config.rules)
-        beginning = StepBeginning(stance, default, config.swing, tools.gait)
-        self._balance = balance
-        self._stance = stance
-        self._beginning = beginning
+        self.tools = StepTools(tools, config, StepAction())
         self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
-            Rest: RestControl(stance, beginning),
-            StepShift: ShiftControl(stance, beginning),
-            StepSwing: SwingControl(stance),
-            Lower: LowerControl(stance, config.swing),
-            StepSettle: SettleControl(stance, beginning),
+            Rest: RestControl(self.tools),
+            StepShift: ShiftControl(self.tools),
+            StepSwing: SwingControl(self.tools),
+            Lower: LowerControl(self.tools),
+            StepSettle: SettleControl(self.tools),
         }
 
     def enter(
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
-        return self._beginning.enter(observation)
+        return self.tools.rest_at_first(observation)
 
     def update(
         self,
@@ -92,7 +80,7 @@ class Step(BehaviorProtocol):
         With ``leaving`` a foot in the air lands, and no further step begins.
         """
         progress = phase.progress
-        cut_short = progress.leaving or not self._control(phase).are_both_flat(phase)
+        cut_short = progress.leaving or not self.control(phase).are_both_flat(phase)
         phase = replace(
             phase,
             elapsed=phase.elapsed + observation.dt,
@@ -100,17 +88,11 @@ class Step(BehaviorProtocol):
             progress=replace(progress, leaving=leaving and cut_short),
         )
         phase, events = self._read(phase, observation, request)
-        phase, news = self._control(phase).advance(phase, observation, leaving)
-        control = self._control(phase)
+        phase, news = self.control(phase).advance(phase, observation, leaving)
+        control = self.control(phase)
         phase, feet = control.command_feet(phase, observation)
-        body = advance_body(
-            body,
-            self._stance.body_target(phase, control.reach(phase)),
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        target = self.tools.body_target(phase, control.reach(phase))
+        body = observation.advance_body(body, target, self._rates)
         reference, omega = control.reference(phase, observation)
         support = control.support(phase)
         command = self._balance.command(
@@ -155,16 +137,14 @@ class Step(BehaviorProtocol):
             feedback.desired_step_spec_saturated = spec
         return feedback
 
-    def _control(self, phase: StepState) -> StepPhaseControl[Any]:
+    def control(self, phase: StepState) -> StepPhaseControl[Any]:
+        """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
 
     # ---- requests ------------------------------------------------------------
 
     def _read(
-        self,
-        phase: StepState,
-        observation: Observation,
-        request: BehaviorRequest,
+        self, phase: StepState, observation: Observation, request: BehaviorRequest
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
@@ -191,7 +171,7 @@ class Step(BehaviorProtocol):
         If STAND was requested before the landing of a step, the robot must be at rest,
         too.
         """
-        if not self._control(phase).are_both_flat(phase):
+        if not self.control(phase).are_both_flat(phase):
             return False
         if not phase.progress.leaving:
             return True
@@ -200,14 +180,12 @@ class Step(BehaviorProtocol):
         return phase.elapsed >= phase.shift.duration and slow
 
     def _left_by_standing(
-        self,
-        phase: StepState,
-        observation: Observation,
+        self, phase: StepState, observation: Observation
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves out: a started step and a coming step."""
         # A step whose foot is still down is left out, too.
         left = [phase.progress.index] if isinstance(phase, StepShift) else []
-        desired, request = self._beginning.requested(phase), phase.progress.request
+        desired, request = self.tools.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
         if desired is not None and not demo:
             left.append(desired.index)

@@ -12,23 +12,22 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.config import WalkConfig, WalkRules
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkPhase,
-    WalkSettle,
-    WalkShift,
     WalkState,
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
-from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.balance import feedback
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
-class DoubleSupport(PhaseControl[WalkShift | Transfer]):
+class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     """Shifts the weight and determines when a foot lifts off."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
@@ -40,20 +39,21 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
         self._straight_knees = [leg.straight + rules.straight_flexion for leg in legs]
 
     def advance(
-        self, phase: WalkShift | Transfer, observation: Observation, leaving: bool
+        self, phase: InitialTransfer | Transfer, observation: Observation, leaving: bool
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
         lost = is_dcm_lost(phase, observation, self._rules.dcm_lost)
         if lost and not planner.coming(phase.progress):
-            return planner.catch(phase.progress, observation)
-        if lost and not phase.hurried:
+            return planner.recover(phase.progress, observation)
+        if lost and not phase.brought_forward:
             soonest = phase.elapsed + self._rules.hurried_transfer
-            phase = replace(phase, duration=min(phase.duration, soonest), hurried=True)
+            duration = min(phase.duration, soonest)
+            phase = replace(phase, duration=duration, brought_forward=True)
         if phase.elapsed < phase.duration:
             return phase, ()
         if not planner.coming(phase.progress):
-            return planner.settle(phase.progress, phase.planned.cop), ()
+            return planner.final_transfer(phase.progress, phase.planned.cop), ()
         late = phase.elapsed - phase.duration
         patient = (
             late < self._rules.longest_wait
@@ -69,32 +69,32 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
         phase, news = planner.warn(phase, observation.time)
         if not planner.coming(phase.progress):
             # The step cannot be taken from the present poses of the feet.
-            return planner.settle(phase.progress, phase.planned.cop), news
+            return planner.final_transfer(phase.progress, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
         return planner.swing(phase.progress, min(late, observation.dt)), news
 
     def command_feet(
-        self, phase: WalkShift | Transfer, observation: Observation
-    ) -> tuple[WalkShift | Transfer, tuple[FootCommand, FootCommand]]:
+        self, phase: InitialTransfer | Transfer, observation: Observation
+    ) -> tuple[InitialTransfer | Transfer, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted, and unloads the foot that lifts off next."""
         loads = [math.inf, math.inf]
         if phase.unloading is not None and not phase.waiting:
             left_share = 1.0 - phase.elapsed / phase.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
             loads[phase.unloading] = unload
-        left = self._balance.planted(observation, 0, loads[0])
-        right = self._balance.planted(observation, 1, loads[1])
+        left = self._balance.in_contact(observation, 0, loads[0])
+        right = self._balance.in_contact(observation, 1, loads[1])
         return phase, (left, right)
 
     def _is_dcm_ready(
-        self, phase: WalkShift | Transfer, observation: Observation
+        self, phase: InitialTransfer | Transfer, observation: Observation
     ) -> bool:
         """Returns True if the DCM is near enough to its plan for single support."""
         dcm = feedback.dcm(observation.terms, phase.plan.omega)
         return float(np.hypot(*(dcm - phase.planned.dcm))) < self._rules.dcm_ready
 
     def _is_stretched(
-        self, phase: WalkShift | Transfer, observation: Observation
+        self, phase: InitialTransfer | Transfer, observation: Observation
     ) -> bool:
         """Returns True if the leg that lifts off next is at its full length.
 
@@ -107,7 +107,7 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
         )
 
 
-class Settling(PhaseControl[WalkSettle]):
+class Settling(PhaseControl[FinalTransfer]):
     """Stands still until the walk is over or new steps arrive.
 
     If the DCM is lost, a step catches it; once the robot is at rest, the other foot is
@@ -117,44 +117,40 @@ class Settling(PhaseControl[WalkSettle]):
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
-        self._rest = config.timing.rest
-        self._rules = config.rules
+        self._config = config
 
     def advance(
-        self, phase: WalkSettle, observation: Observation, leaving: bool
-    ) -> tuple[WalkSettle | WalkShift | WalkSwing, tuple[Event, ...]]:
+        self, phase: FinalTransfer, observation: Observation, leaving: bool
+    ) -> tuple[FinalTransfer | InitialTransfer | WalkSwing, tuple[Event, ...]]:
         """Begins a new weight shift if steps arrived, or the feet stand apart."""
         planner, progress, now = self._planner, phase.progress, phase.planned
-        if is_dcm_lost(phase, observation, self._rules.dcm_lost):
-            return planner.catch(progress, observation)
+        if is_dcm_lost(phase, observation, self._config.rules.dcm_lost):
+            return planner.recover(progress, observation)
         if self.is_over(phase, observation):
-            closing = planner.closing(progress)
-            if closing is not None:
-                return planner.shift(closing, now.dcm, now.cop), ()
+            square_up = planner.square_up(progress)
+            if square_up is not None:
+                return planner.initial_transfer(square_up, now.dcm, now.cop), ()
         if phase.obstacle or not planner.coming(progress):
             return phase, ()
-        return planner.shift(progress, now.dcm, now.cop), ()
+        return planner.initial_transfer(progress, now.dcm, now.cop), ()
 
     def command_feet(
-        self, phase: WalkSettle, observation: Observation
-    ) -> tuple[WalkSettle, tuple[FootCommand, FootCommand]]:
+        self, phase: FinalTransfer, observation: Observation
+    ) -> tuple[FinalTransfer, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted."""
         return phase, self._balance.standing(observation)
 
-    def is_over(self, phase: WalkSettle, observation: Observation) -> bool:
+    def is_over(self, phase: FinalTransfer, observation: Observation) -> bool:
         """Returns True if the robot is at rest."""
         speed = float(np.abs(observation.terms.com_velocity).max())
-        over = phase.elapsed > phase.duration + self._rest
-        return over and speed < self._rules.rest_speed
+        over = phase.elapsed > phase.duration + self._config.timing.rest
+        return over and speed < self._config.rules.rest_speed
 
 
 def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:
     """Returns True if no CoP between the feet brings the DCM back to its plan.
 
-    Args:
-        phase: A phase with both feet on the ground.
-        observation: Observation of this tick.
-        margin: Distance outside the support polygon, beyond that of the plan [m].
+    ``margin`` is a distance outside the support polygon, beyond that of the plan [m].
     """
     support = phase.support
     outside = support.distance_outside(
@@ -166,14 +162,10 @@ def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bo
     )
 
 
-def steps_left_out(phase: WalkSettle, time: float, leaving: bool) -> tuple[Event, ...]:
-    """Makes an event of the steps that the walk leaves out, if any.
-
-    Args:
-        phase: The last phase of the walk.
-        time: Time of the walk's end [s].
-        leaving: True if the end of the walk was requested.
-    """
+def steps_left_out(
+    phase: FinalTransfer, time: float, leaving: bool
+) -> tuple[Event, ...]:
+    """Makes an event of the steps that the walk leaves out, if any."""
     progress = phase.progress
     if progress.pending:
         left = ", ".join(str(step.index) for step in progress.pending)

@@ -1,31 +1,30 @@
-"""The DCM plan of a walk, which follows from its steps and their timing.
+"""The DCM plan of a walk, and the steps that nobody commanded.
 
-Pure functions that make a ``DcmPlan`` from the feet on the ground and the coming steps.
-The phases of the walk are in ``walk``.
+Pure functions. The capture point of a pendulum on a fixed center of pressure is that of
+Pratt, Carff, Drakunov, Goswami, "Capture point: a step toward humanoid push recovery",
+Humanoids 2006. The phases of the walk are in ``walk``.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from atlas_drake.behaviors.walk.timing import GaitTiming
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.feet.footstep import outward, saturate
 from atlas_drake.frozen import replace
-from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 
 def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
     """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
 
-    Args:
-        pose: Pose of the sole.
-        foot: The stance foot.
-        inward: Distance from the middle of the sole toward the other foot [m].
+    It lies ``inward`` [m] from the middle of the sole, toward the other foot.
     """
     to_the_other = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
     return pose.p_WF[:2] + inward * to_the_other
@@ -37,29 +36,21 @@ def plan_walk(
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
     swinging: bool,
-    timing: GaitTiming,
+    config: WalkConfig,
     omega: float,
-    inward: float,
 ) -> DcmPlan:
     """Makes the DCM plan from now through ``steps`` to rest.
 
     The plan is computed backward from rest, which determines the DCM at its beginning.
-
-    Args:
-        cop: Present reference of the CoP [m], shape (2,).
-        first_phase: Time left in the present phase [s].
-        feet: Poses of the soles on the ground.
-        steps: Coming steps, the present one first; may be empty.
-        swinging: True in single support: the present phase is steps[0]'s swing.
-        timing: Timing of the phases.
-        omega: Natural frequency of the pendulum [1/s].
-        inward: As for ``stance_cop``.
+    The present phase, with the CoP at ``cop``, ends after ``first_phase`` [s]; if
+    ``swinging``, it is the swing of the first step.
     """
+    timing = config.timing
     segments: list[CopSegment] = []
     poses = list(feet)
     for number, step in enumerate(steps):
         stance = 1 - step.foot
-        target = stance_cop(poses[stance], stance, inward)
+        target = stance_cop(poses[stance], stance, config.cop_inward)
         first = number == 0
         if not (first and swinging):
             duration = first_phase if first else timing.transfer(step.duration)
@@ -80,30 +71,20 @@ def landing_sensitivity(
     swing_time: float,
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
-    timing: GaitTiming,
+    config: WalkConfig,
     omega: float,
-    inward: float,
 ) -> float:
     """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
 
     The following steps are held fixed, so that the plan is linear in the landing place,
     and any offset gives the same result.
-
-    Args:
-        cop: Present reference of the CoP [m], shape (2,).
-        swing_time: Time left in the swing [s].
-        feet: Poses of the soles on the ground.
-        steps: Coming steps, the one in the air first.
-        timing: Timing of the phases.
-        omega: Natural frequency of the pendulum [1/s].
-        inward: As for ``stance_cop``.
     """
     first, *rest = steps
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
 
     def dcm_at_touchdown(step: Footstep) -> float:
         coming = (step, *rest)
-        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega, inward)
+        plan = plan_walk(cop, swing_time, feet, coming, True, config, omega)
         return float(plan.evaluate(swing_time).dcm[0])
 
     return dcm_at_touchdown(moved) - dcm_at_touchdown(first)
@@ -115,11 +96,6 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
     To accelerate a pendulum to one side, the CoP first moves to the other side, and
     then to the end of the plan's first segment. Without this segment, the feedback
     would cause the same motion with a jump of the CoP.
-
-    Args:
-        plan: Plan from ``plan_walk``, for a robot on both feet.
-        dcm: Present DCM in W [m], shape (2,).
-        support: Region of the CoP.
     """
     first, *rest = plan.segments
     half = 0.5 * first.duration
@@ -134,3 +110,42 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
     begin = through(first.start).evaluate(0.0).dcm
     gain = through(first.start + 1.0).evaluate(0.0).dcm - begin
     return through(support.clamp(first.start + (dcm - begin) / gain))
+
+
+def capture_step(
+    index: int,
+    feet: Sequence[FootPose],
+    supports: Sequence[SupportPolygon],
+    dcm: np.ndarray,
+    omega: float,
+    config: WalkConfig,
+) -> Footstep:
+    """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
+
+    The foot that gets nearer to that point steps. The CoP r is the point of the other
+    sole that is nearest to the DCM.
+    """
+    duration = config.limits.duration.least
+    growth = math.exp(omega * config.timing.swing(duration))
+
+    def step_of(foot: int) -> tuple[float, Footstep]:
+        """The step of one foot, and its distance from the point [m]."""
+        stance = feet[1 - foot]
+        cop = supports[1 - foot].clamp(dcm)
+        point = cop + growth * (dcm - cop)
+        p_WF = np.append(point, stance.p_WF[2])
+        step = Footstep(index, foot, p_WF, stance.yaw, duration, config.swing.height)
+        step = saturate(step, stance, config.limits)
+        return float(np.hypot(*(step.p_WF[:2] - point))), step
+
+    left, right = step_of(LEFT), step_of(RIGHT)
+    return left[1] if left[0] <= right[0] else right[1]
+
+
+def square_up_step(
+    index: int, foot: int, other: FootPose, width: float, config: WalkConfig
+) -> Footstep:
+    """Makes the step that puts ``foot`` beside the ``other`` one."""
+    beside = outward(foot) * width * rotation_z(other.yaw)[:, 1]
+    place, duration = other.p_WF + beside, config.steps.duration
+    return Footstep(index, foot, place, other.yaw, duration, config.swing.height)

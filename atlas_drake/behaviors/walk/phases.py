@@ -14,7 +14,7 @@ import numpy as np
 
 from atlas_drake.behaviors.footsteps import next_runs
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
-from atlas_drake.behaviors.walk.timing import GaitTiming
+from atlas_drake.behaviors.walk.config import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.frozen import replace
@@ -26,35 +26,22 @@ from atlas_drake.messages.footstep import FootPose, Footstep
 
 @dataclass(frozen=True)
 class WalkProgress:
-    """Feet and steps of a walk in any phase.
+    """Feet and steps of a walk in any phase."""
 
-    Attributes:
-        feet: Poses in which the soles are, or last were, on the ground.
-        aimed: Landing poses at which the soles were aimed; at first, the initial poses.
-        pending: Steps not begun, by index.
-        next_index: Index of the next step to begin.
-        request: The last request whose steps were read.
-        last_foot: Foot of the step begun last; None before the first step.
-        last_index: Index of the step begun last; 0 before the first step.
-        warned: Earlier warnings: index of the step, and topic.
-        own_index: Index of the last step that nobody commanded: one that catches the
-            balance, or puts the feet side by side afterwards; 0 before the first.
-    """
-
-    feet: tuple[FootPose, FootPose]
-    aimed: tuple[FootPose, FootPose]
-    pending: tuple[Footstep, ...]
-    next_index: int
-    request: BehaviorRequest
-    last_foot: int | None = None
-    last_index: int = 0
-    warned: frozenset[tuple[int, str]] = frozenset()
-    own_index: int = 0
+    feet: tuple[FootPose, FootPose]  # Poses of the soles, the last ones on the ground
+    aimed: tuple[FootPose, FootPose]  # Landing poses aimed at; at first, ``feet``
+    pending: tuple[Footstep, ...]  # Steps not begun, by index
+    next_index: int  # Index of the next step to begin
+    request: BehaviorRequest  # The last request whose steps were read
+    last_foot: int | None = None  # Foot of the step begun last; None before the first
+    last_index: int = 0  # Index of the step begun last; 0 before the first step
+    warned: frozenset[tuple[int, str]] = frozenset()  # Step and topic of each warning
+    recovery_index: int = 0  # Index of the last recovery or square-up step; 0 at first
 
     @property
-    def last_was_own(self) -> bool:
+    def last_was_recovery(self) -> bool:
         """True if the step begun last was not commanded."""
-        return 0 < self.last_index == self.own_index
+        return 0 < self.last_index == self.recovery_index
 
     @property
     def known(self) -> tuple[Footstep, ...]:
@@ -64,19 +51,12 @@ class WalkProgress:
 
 @dataclass(frozen=True, kw_only=True)
 class WalkPhase(Phase):
-    """Common part of all phases of a walk.
-
-    Attributes:
-        progress: Feet and steps.
-        plan: Plan of the DCM.
-        duration: Planned duration of the phase [s].
-        plan_time: Time since the beginning of the plan [s].
-    """
+    """Common part of all phases of a walk."""
 
     progress: WalkProgress
-    plan: DcmPlan
-    duration: float
-    plan_time: float = 0.0
+    plan: DcmPlan  # Plan of the DCM
+    duration: float  # Planned duration of the phase [s]
+    plan_time: float = 0.0  # Time since the beginning of the plan [s]
 
     @property
     def in_air(self) -> Footstep | None:
@@ -93,12 +73,7 @@ class WalkPhase(Phase):
         return self.planned
 
     def paths(self, com: np.ndarray, profile: swing_foot.SwingProfile) -> PlannedPaths:
-        """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points.
-
-        Args:
-            com: Present center of mass, horizontal in W [m], shape (2,).
-            profile: Shape of the swing.
-        """
+        """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points."""
         times = np.arange(self.plan_time, self.plan.duration, TIME_STEP)
         if times.size < 2:
             return PlannedPaths()
@@ -116,10 +91,6 @@ class WalkPhase(Phase):
         """Computes the time until the next foot touches down [s].
 
         The time is 0 without a coming step, and while touchdown is late.
-
-        Args:
-            coming: Steps that the walk will take, one in the air first.
-            timing: Timing of the phases.
         """
         if not coming:
             return 0.0
@@ -129,24 +100,15 @@ class WalkPhase(Phase):
         return left + timing.swing(coming[0].duration)
 
     def status_flags(self, leaving: bool) -> int:
-        """Returns the feedback flags of the phase.
-
-        Args:
-            leaving: True if the end of the walk was requested.
-        """
+        """Returns the feedback flags of the phase."""
         return WalkStatus.SUBSTATE_STEPPING
 
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off.
+    """Common part of ``InitialTransfer`` and ``Transfer``, which end with lift-off."""
 
-    Attributes:
-        hurried: True if lift-off was brought forward, because only a step saves the
-            balance.
-    """
-
-    hurried: bool = False
+    brought_forward: bool = False  # Lift-off was brought forward to save the balance
 
     @property
     def waiting(self) -> bool:
@@ -160,15 +122,10 @@ class BothFeet(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WalkShift(BothFeet):
-    """The weight shifts over the first stance foot.
+class InitialTransfer(BothFeet):
+    """The weight shifts over the first stance foot."""
 
-    Attributes:
-        unloading: Foot that lifts off at the end; None if no step was known at the
-            beginning.
-    """
-
-    unloading: int | None
+    unloading: int | None  # Foot that lifts off; None if no step was known
 
     def status_flags(self, leaving: bool) -> int:
         """Returns the feedback flags of a weight shift."""
@@ -177,31 +134,19 @@ class WalkShift(BothFeet):
 
 @dataclass(frozen=True, kw_only=True)
 class Transfer(BothFeet):
-    """Double support between two steps: the weight moves to the foot that landed.
+    """Double support between two steps: the weight moves to the foot that landed."""
 
-    Attributes:
-        unloading: Foot that lifts off at the end.
-    """
-
-    unloading: int
+    unloading: int  # Foot that lifts off at the end
 
 
 @dataclass(frozen=True, kw_only=True)
 class WalkSwing(WalkPhase):
-    """Single support: one foot is in the air.
+    """Single support: one foot is in the air."""
 
-    Attributes:
-        step: Step being taken; balance may move its landing place.
-        sent: The same step as commanded.
-        motion: Reference of the swing foot.
-        sensitivity: Derivative of the DCM planned for touchdown with respect to the
-            landing place [-].
-    """
-
-    step: Footstep
-    sent: Footstep
-    motion: swing_foot.FootSwing
-    sensitivity: float
+    step: Footstep  # Step being taken; balance may move its landing place
+    sent: Footstep  # The same step as commanded
+    motion: swing_foot.FootSwing  # Reference of the swing foot
+    sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
 
     @property
     def in_air(self) -> Footstep:
@@ -220,14 +165,10 @@ class WalkSwing(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WalkSettle(WalkPhase):
-    """The robot comes to rest over both feet.
+class FinalTransfer(WalkPhase):
+    """The robot comes to rest over both feet."""
 
-    Attributes:
-        obstacle: Why the walk ends before a commanded step; empty if all are taken.
-    """
-
-    obstacle: str
+    obstacle: str  # Why the walk ends before a commanded step; empty if all are taken
 
     def time_to_touchdown(
         self, coming: Sequence[Footstep], timing: GaitTiming
@@ -246,5 +187,5 @@ class WalkSettle(WalkPhase):
         return WalkStatus.SUBSTATE_CATCHING | why
 
 
-WalkState = WalkShift | WalkSwing | Transfer | WalkSettle
+WalkState = InitialTransfer | WalkSwing | Transfer | FinalTransfer
 """The state of a walk: one of its phases."""

@@ -13,21 +13,22 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footsteps import caught_balance
-from atlas_drake.behaviors.walk.capture import capture_step, closing_step
+from atlas_drake.behaviors.footsteps import recovery_event
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
+    capture_step,
     landing_sensitivity,
     plan_walk,
+    square_up_step,
     stance_cop,
 )
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkPhase,
     WalkProgress,
-    WalkSettle,
-    WalkShift,
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.steps import (
@@ -58,15 +59,7 @@ class WalkPlanner:
         """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
         self._balance = balance
         self._omega = omega
-        self._timing = config.timing
-        self._limits = config.limits
-        self._slack = config.slack
-        self._swing_height = config.swing.height
-        self._usual = config.steps.duration
-        self._width = balance.stance.width
-        self._cop_inward = config.cop_inward
-        self._transfer_change = config.rules.transfer_change
-        self._feet_apart = config.rules.feet_apart
+        self._config = config
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -78,7 +71,9 @@ class WalkPlanner:
         latest = self._latest
         if latest and latest[0] is progress and latest[1] is in_air:
             return latest[2]
-        step_preview = look_ahead(progress, in_air, self._limits, self._slack)
+        step_preview = look_ahead(
+            progress, in_air, self._config.limits, self._config.slack
+        )
         self._latest = progress, in_air, step_preview
         return step_preview
 
@@ -98,15 +93,15 @@ class WalkPlanner:
 
     # ---- phases --------------------------------------------------------------
 
-    def shift(
+    def initial_transfer(
         self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray
-    ) -> WalkShift:
+    ) -> InitialTransfer:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
         support = self._balance.support(*progress.feet)
-        duration = self._timing.first_shift
+        duration = self._config.timing.first_shift
         coming = self.coming(progress)
         plan = self._plan(progress, coming, cop, duration)
-        return WalkShift(
+        return InitialTransfer(
             progress=progress,
             plan=begun_at(plan, dcm, support),
             support=support,
@@ -114,7 +109,7 @@ class WalkPlanner:
             unloading=coming[0].foot if coming else None,
         )
 
-    def catch(
+    def recover(
         self, progress: WalkProgress, observation: Observation
     ) -> tuple[WalkSwing, tuple[Event, ...]]:
         """Makes the swing of a step that catches a DCM outside the feet."""
@@ -125,9 +120,7 @@ class WalkPlanner:
             (self._balance.support(feet[0]), self._balance.support(feet[1])),
             feedback.dcm(observation.terms, self._omega),
             self._omega,
-            self._timing,
-            self._swing_height,
-            self._limits,
+            self._config,
         )
         begun = replace(
             progress,
@@ -135,44 +128,34 @@ class WalkPlanner:
             aimed=feet,
             pending=_before_later_ones(step, progress),
             last_foot=None,
-            own_index=step.index,
+            recovery_index=step.index,
         )
         swing = self.swing(begun, 0.0)
-        return swing, (caught_balance(observation.time, swing.step),)
+        return swing, (recovery_event(observation.time, swing.step),)
 
-    def closing(self, progress: WalkProgress) -> WalkProgress | None:
-        """Adds a step that puts the feet side by side after a caught balance.
-
-        Returns:
-            The progress with that step; None if it is not needed.
-        """
-        if not progress.last_was_own or progress.last_foot is None:
+    def square_up(self, progress: WalkProgress) -> WalkProgress | None:
+        """Adds a square-up step after a recovery step; None if none is needed."""
+        if not progress.last_was_recovery or progress.last_foot is None:
             return None
         foot = 1 - progress.last_foot
-        step = closing_step(
+        step = square_up_step(
             progress.next_index,
             foot,
             progress.feet[progress.last_foot],
-            self._width,
-            self._usual,
-            self._swing_height,
+            self._balance.stance.width,
+            self._config,
         )
-        if landing_error(step, progress.feet[foot]) < self._feet_apart:
+        if landing_error(step, progress.feet[foot]) < self._config.rules.feet_apart:
             return None
         pending = _before_later_ones(step, progress)
-        return replace(progress, pending=pending, own_index=step.index)
+        return replace(progress, pending=pending, recovery_index=step.index)
 
     def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
-        """Makes the swing of the next step.
-
-        Args:
-            progress: WalkProgress with at least one coming step.
-            late: Time by which the swing is shortened [s].
-        """
+        """Makes the swing of the next step, shortened by ``late`` [s]."""
         step = self.coming(progress)[0]
-        duration = self._timing.swing(step.duration) - late
+        duration = self._config.timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
-        cop = stance_cop(stance, 1 - step.foot, self._cop_inward)
+        cop = stance_cop(stance, 1 - step.foot, self._config.cop_inward)
         begun = replace(
             progress,
             pending=tuple(s for s in progress.pending if s.index > step.index),
@@ -190,55 +173,37 @@ class WalkPlanner:
             sent=next(s for s in progress.pending if s.index == step.index),
             motion=begin_swing(progress.feet[step.foot], duration),
             sensitivity=landing_sensitivity(
-                cop,
-                duration,
-                progress.feet,
-                coming,
-                self._timing,
-                self._omega,
-                self._cop_inward,
+                cop, duration, progress.feet, coming, self._config, self._omega
             ),
         )
 
     def move_landing(
         self, phase: WalkSwing, step: Footstep, sooner: float
     ) -> WalkSwing:
-        """Replans a swing for the same step with another landing place and time.
-
-        Args:
-            phase: The swing.
-            step: The step, with its new place.
-            sooner: Time by which touchdown comes earlier [s].
-        """
+        """Replans a swing for another landing place, and a ``sooner`` touchdown [s]."""
         duration = phase.duration - sooner
         progress = phase.progress
         stance = 1 - step.foot
-        cop = stance_cop(progress.feet[stance], stance, self._cop_inward)
+        cop = stance_cop(progress.feet[stance], stance, self._config.cop_inward)
         coming = self.coming(progress, step)
         return replace(
             phase,
             step=step,
             plan=self._plan(progress, coming, cop, duration, swinging=True),
             duration=duration,
-            motion=phase.motion.hastened(sooner),
+            motion=phase.motion.landing_sooner(sooner),
         )
 
     def land(
         self, progress: WalkProgress, cop: np.ndarray, early: float
-    ) -> Transfer | WalkSettle:
-        """Makes the phase after a touchdown: a transfer if a step follows.
-
-        Args:
-            progress: WalkProgress with the foot at its landed pose.
-            cop: Present reference of the CoP in W [m], shape (2,).
-            early: Time from touchdown to the planned touchdown [s].
-        """
+    ) -> Transfer | FinalTransfer:
+        """Makes the phase after a touchdown ``early`` by [s]: transfer or settling."""
         coming = self.coming(progress)
         if not coming:
-            return self.settle(progress, cop)
+            return self.final_transfer(progress, cop)
         # The next touchdown is planned one step duration after this planned touchdown.
-        duration = self._timing.transfer(coming[0].duration)
-        change = self._transfer_change * duration
+        duration = self._config.timing.transfer(coming[0].duration)
+        change = self._config.rules.transfer_change * duration
         duration += min(max(early, -change), change)
         return Transfer(
             progress=progress,
@@ -248,11 +213,11 @@ class WalkPlanner:
             unloading=coming[0].foot,
         )
 
-    def settle(self, progress: WalkProgress, cop: np.ndarray) -> WalkSettle:
+    def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
         step_preview = self.step_preview(progress)
-        duration = self._timing.settle
-        return WalkSettle(
+        duration = self._config.timing.settle
+        return FinalTransfer(
             progress=progress,
             plan=self._plan(progress, step_preview.steps, cop, duration),
             support=self._balance.support(*progress.feet),
@@ -269,14 +234,7 @@ class WalkPlanner:
         swinging: bool = False,
     ) -> DcmPlan:
         return plan_walk(
-            cop,
-            first_phase,
-            progress.feet,
-            coming,
-            swinging,
-            self._timing,
-            self._omega,
-            self._cop_inward,
+            cop, first_phase, progress.feet, coming, swinging, self._config, self._omega
         )
 
 

@@ -61,7 +61,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
             phase.motion, phase.step, self._profile, observation.dt
         )
         foot = phase.step.foot
-        stance = self._balance.planted(observation, 1 - foot)
+        stance = self._balance.in_contact(observation, 1 - foot)
         swing = self._balance.swinging(observation, foot, reference)
         feet = (swing, stance) if foot == LEFT else (stance, swing)
         return replace(phase, motion=motion), feet
@@ -78,7 +78,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
         )
         early = phase.duration - phase.elapsed
         # A step of the walk's own was not commanded to any other place.
-        sent = step if phase.progress.last_was_own else phase.sent
+        sent = step if phase.progress.last_was_recovery else phase.sent
         event = footstep_event(observation.time, sent, step, landed)
         return self._planner.land(progress, phase.planned.cop, early), (event,)
 

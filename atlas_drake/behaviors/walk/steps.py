@@ -52,20 +52,12 @@ _NO_STEP = AtlasBehaviorStepData().freeze()
 
 @dataclass(frozen=True)
 class StepPreview:
-    """Coming steps of the walk, as commanded and as executed.
+    """Coming steps of the walk, as commanded and as executed."""
 
-    Attributes:
-        commanded: The commanded steps of the plan, heights in W; the one in the air as
-            executed, because balance may have moved it.
-        steps: The same steps as they will be executed; the one in the air comes first.
-        blocked: The step after these steps, if it cannot be taken.
-        obstacle: Why the blocked step cannot be taken; empty if there is none.
-    """
-
-    commanded: tuple[Footstep, ...]
-    steps: tuple[Footstep, ...]
-    blocked: Footstep | None = None
-    obstacle: str = ""
+    commanded: tuple[Footstep, ...]  # Heights in W; the one in the air as executed
+    steps: tuple[Footstep, ...]  # As they will be executed; one in the air first
+    blocked: Footstep | None = None  # The step after these steps, if it cannot be taken
+    obstacle: str = ""  # Why the blocked step cannot be taken; empty if there is none
 
     @cached_property
     def reported(self) -> tuple[AtlasBehaviorStepData, ...]:
@@ -84,13 +76,8 @@ def steps_asked_for(
 ) -> tuple[Footstep, ...]:
     """Returns the coming steps after a message.
 
-    Args:
-        pending: Earlier steps that have not begun.
-        params: Parameters of the message.
-        feet: Poses of the soles; landing pose of a foot in the air.
-        first_open: Lowest index that has not begun.
-        gait: Gait of the demo walk.
-        last_foot: The foot of the present or last step, if any.
+    ``feet`` has the landing pose of a foot in the air; the demo walk begins with the
+    foot after ``last_foot``.
     """
     if params.use_demo_walk:
         foot = LEFT if last_foot is None else 1 - last_foot
@@ -101,12 +88,7 @@ def steps_asked_for(
 
 
 def feet_to_come(progress: WalkProgress, in_air: Footstep | None) -> list[FootPose]:
-    """Returns the poses of the soles, with the landing pose of a foot in the air.
-
-    Args:
-        progress: WalkProgress of the walk.
-        in_air: The step whose foot is in the air, if any.
-    """
+    """Returns the poses of the soles, with the landing pose of a foot in the air."""
     feet = list(progress.feet)
     if in_air is not None:
         feet[in_air.foot] = in_air.pose
@@ -121,11 +103,7 @@ def look_ahead(
 ) -> StepPreview:
     """Saturates the coming steps, each relative to the step before.
 
-    Args:
-        progress: WalkProgress of the walk.
-        in_air: The step whose foot is in the air, if any; it is not changed.
-        limits: Limits of a step.
-        slack: Amount by which a step may exceed the limits to correct landing errors.
+    The step in the air is not changed.
     """
     steps, commanded = [], []
     poses, aims = feet_to_come(progress, in_air), list(progress.aimed)
@@ -179,14 +157,7 @@ def obstacle_to(
 ) -> str:
     """Determines why a step cannot be taken at all; empty if it can.
 
-    Args:
-        goal: The step as commanded, its height in W.
-        taken: The same step, saturated.
-        stance: Pose of the stance foot of the step.
-        change: Height of the step above the place at which the stance foot was aimed
-            [m].
-        last_foot: The foot of the step before, if any.
-        limits: Limits of a step from that stance foot.
+    ``change`` is its height above the place at which the stance foot was aimed [m].
     """
     if goal.foot == last_foot:
         return "two steps in a row are for the same foot"
@@ -203,13 +174,7 @@ def obstacle_to(
 def warnings_about(
     step_preview: StepPreview, warned: frozenset[tuple[int, str]], time: float
 ) -> tuple[Event, ...]:
-    """Makes warnings about the steps that differ from their commands, one for each.
-
-    Args:
-        step_preview: The coming steps.
-        warned: The ``subject`` of each earlier warning.
-        time: Time of the warnings [s].
-    """
+    """Makes warnings about the steps that differ from their commands, one for each."""
     events: tuple[Event, ...] = ()
     for goal, step in zip(step_preview.commanded, step_preview.steps, strict=True):
         events += out_of_reach(time, goal, step) + pace_changed(time, goal, step)

@@ -12,25 +12,17 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import (
-    BodyReference,
-    BodyTarget,
-    advance_body,
-)
+from atlas_drake.behaviors.body_reference import BodyReference, BodyTarget
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import replaced
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.walk.both_feet import (
-    DoubleSupport,
-    Settling,
-    steps_left_out,
-)
+from atlas_drake.behaviors.walk.both_feet import DoubleSupport, Settling, steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import (
+    FinalTransfer,
+    InitialTransfer,
     Transfer,
     WalkProgress,
-    WalkSettle,
-    WalkShift,
     WalkState,
     WalkSwing,
 )
@@ -52,31 +44,29 @@ class Walk(BehaviorProtocol):
     """Walks over given footsteps.
 
     Reads the requested steps, and calls the control of the present phase:
-    ``DoubleSupport``, ``SingleSupport`` or ``Settling``.
+    ``DoubleSupport``, ``SingleSupport`` or ``Settling``; ``planner`` makes the phases.
     """
 
     def __init__(self, tools: BehaviorTools, config: WalkConfig):
         self._balance = balance = tools.balance
         self._nominal_height = tools.nominal_height
         self._rates = replace(tools.rates, height=config.rules.height_rate)
-        self._timing = config.timing
-        self._profile = config.swing
-        self._rules = config.rules
+        self._config = config
         self._gait = tools.gait
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
-        self._planner = WalkPlanner(balance, self._omega, config)
-        double_support = DoubleSupport(balance, self._planner, config.rules)
-        self._settling = Settling(balance, self._planner, config)
+        self.planner = WalkPlanner(balance, self._omega, config)
+        double_support = DoubleSupport(balance, self.planner, config.rules)
+        self._settling = Settling(balance, self.planner, config)
         self._controls: dict[type[WalkState], PhaseControl[Any]] = {
-            WalkShift: double_support,
-            WalkSwing: SingleSupport(balance, self._planner, config),
+            InitialTransfer: double_support,
+            WalkSwing: SingleSupport(balance, self.planner, config),
             Transfer: double_support,
-            WalkSettle: self._settling,
+            FinalTransfer: self._settling,
         }
 
     def enter(
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
-    ) -> WalkShift:
+    ) -> InitialTransfer:
         """Begins to shift the weight to the first stance foot."""
         feet = observation.foot_poses
         params = request.command.walk_params
@@ -84,7 +74,7 @@ class Walk(BehaviorProtocol):
         first = pending[0].index if pending else 1
         progress = WalkProgress(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
-        return self._planner.shift(
+        return self.planner.initial_transfer(
             progress, dcm, self._balance.support(*feet).clamp(dcm)
         )
 
@@ -104,20 +94,13 @@ class Walk(BehaviorProtocol):
             elapsed=phase.elapsed + observation.dt,
             plan_time=phase.plan_time + observation.dt,
         )
-        phase, events = self._control(phase).advance(phase, observation, leaving)
+        phase, events = self.control(phase).advance(phase, observation, leaving)
         changed = phase.progress.pending is not before.progress.pending
         if before.elapsed == 0.0 or changed:
-            phase, news = self._planner.warn(phase, observation.time)
+            phase, news = self.planner.warn(phase, observation.time)
             events = (*events, *news)
-        phase, feet = self._control(phase).command_feet(phase, observation)
-        body = advance_body(
-            body,
-            self._body_target(phase),
-            self._rates,
-            observation.dt,
-            observation.terms.q,
-            observation.user_held,
-        )
+        phase, feet = self.control(phase).command_feet(phase, observation)
+        body = observation.advance_body(body, self._body_target(phase), self._rates)
         command = self._balance.command(
             observation,
             body,
@@ -129,7 +112,7 @@ class Walk(BehaviorProtocol):
         )
         finished = False
         left: tuple[Event, ...] = ()
-        if isinstance(phase, WalkSettle):
+        if isinstance(phase, FinalTransfer):
             finished = self._settling.is_over(phase, observation)
             if finished:
                 left = steps_left_out(phase, observation.time, leaving)
@@ -150,30 +133,31 @@ class Walk(BehaviorProtocol):
 
     def paths(self, phase: WalkState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the DCM plan and of the present swing."""
-        return phase.paths(com, self._profile)
+        return phase.paths(com, self._config.swing)
 
     def feedback(
         self, phase: WalkState, status_flags: int
     ) -> AtlasBehaviorWalkFeedback:
         """Returns timing and the steps as they will be executed."""
         progress = phase.progress
-        step_preview = self._planner.step_preview(progress, phase.in_air)
+        step_preview = self.planner.step_preview(progress, phase.in_air)
         return AtlasBehaviorWalkFeedback(
-            t_step_rem=phase.time_to_touchdown(step_preview.steps, self._timing),
+            t_step_rem=phase.time_to_touchdown(step_preview.steps, self._config.timing),
             current_step_index=progress.last_index,
             next_step_index_needed=progress.next_index + len(progress.known),
             status_flags=status_flags,
             step_queue_saturated=list(step_preview.reported),
         )
 
-    def _control(self, phase: WalkState) -> PhaseControl[Any]:
+    def control(self, phase: WalkState) -> PhaseControl[Any]:
+        """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
 
     def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, progress=replace(phase.progress, pending=()))
-        if isinstance(phase, WalkShift | Transfer):
-            return self._planner.settle(phase.progress, phase.planned.cop)
+        if isinstance(phase, InitialTransfer | Transfer):
+            return self.planner.final_transfer(phase.progress, phase.planned.cop)
         return phase
 
     def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
@@ -207,8 +191,8 @@ class Walk(BehaviorProtocol):
         beyond what they carry.
         """
         progress = phase.progress
-        step = phase.in_air or next(iter(self._planner.coming(progress)), None)
-        if step is None or step.duration > self._rules.quick_step:
+        step = phase.in_air or next(iter(self.planner.coming(progress)), None)
+        if step is None or step.duration > self._config.rules.quick_step:
             return False
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
         return max(heights) - min(heights) <= LEVEL
@@ -219,7 +203,7 @@ class Walk(BehaviorProtocol):
         # With feet at different heights, now or after this step, raise the CoM as far
         # as the lower leg can stretch, so that the knee of the upper leg bends less: a
         # bent knee needs more torque.
-        ground = min(high, low + self._rules.leg_stretch)
+        ground = min(high, low + self._config.rules.leg_stretch)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),

@@ -17,18 +17,14 @@ from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 
-LEAST_HEIGHT = 0.3
+MIN_HEIGHT = 0.3
 """Lower bound of the pendulum's height [m]. Numerical: it keeps the natural frequency
 finite for a robot that lies on the ground."""
 
 
 def pendulum_frequency(height: float) -> float:
-    """Natural frequency of the inverted pendulum √(g/z) [1/s].
-
-    Args:
-        height: Height z of the center of mass above the ground at the feet [m].
-    """
-    return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
+    """Natural frequency of the inverted pendulum √(g/z), z its height [m], [1/s]."""
+    return math.sqrt(GRAVITY / max(height, MIN_HEIGHT))
 
 
 def dcm(terms: WholeBodyTerms, omega: float) -> np.ndarray:

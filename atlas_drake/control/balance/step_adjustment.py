@@ -69,23 +69,11 @@ def step_shift(
     stance: FootPose,
     limits: StepAdjustmentLimits,
 ) -> np.ndarray:
-    """Computes the shift of the next footstep that keeps the DCM plan feasible.
+    """Computes the shift of the next footstep that keeps the DCM plan feasible [m].
 
-    In single support the DCM error grows as e^{ωt}. A shift of the center of pressure
-    within the stance sole corrects what it can until touchdown; a shift of the next
-    footstep corrects the rest.
-
-    Args:
-        dcm_error: ξ - ξ_ref in W now [m], shape (2,).
-        remaining: Time to touchdown [s].
-        omega: Natural frequency [1/s].
-        sensitivity: Shift of the planned DCM at touchdown per shift of the next foot
-            [-].
-        stance: The foot on the ground.
-        limits: Part of the error that the ankles and double support correct.
-
-    Returns:
-        Horizontal shift in W [m], shape (2,); zero if the error needs no shift.
+    In single support the DCM error ξ - ξ_ref grows as e^{ωt}. A shift of the center of
+    pressure within the stance sole corrects what it can until touchdown; a shift of the
+    next footstep corrects the rest, by ``sensitivity`` [-].
     """
     c, s = math.cos(stance.yaw), math.sin(stance.yaw)
     x, y = dcm_error.tolist()
@@ -103,26 +91,15 @@ def step_shift(
 
 @dataclass(frozen=True)
 class SingleSupportState:
-    """The pendulum on its stance foot, and the touchdown that is planned.
+    """The pendulum on its stance foot, and the touchdown that is planned."""
 
-    Attributes:
-        dcm: Measured DCM in W [m], shape (2,).
-        planned_dcm: DCM of the plan now [m], shape (2,).
-        cop: CoP of the plan, constant until touchdown [m], shape (2,).
-        omega: Natural frequency [1/s].
-        remaining: Time to the planned touchdown [s].
-        sensitivity: Shift of the planned DCM at touchdown per shift of the landing
-            place [-].
-        stance: The foot on the ground.
-    """
-
-    dcm: np.ndarray
-    planned_dcm: np.ndarray
-    cop: np.ndarray
-    omega: float
-    remaining: float
-    sensitivity: float
-    stance: FootPose
+    dcm: np.ndarray  # Measured DCM in W [m], shape (2,)
+    planned_dcm: np.ndarray  # DCM of the plan now [m], shape (2,)
+    cop: np.ndarray  # CoP of the plan, constant until touchdown [m], shape (2,)
+    omega: float  # Natural frequency [1/s]
+    remaining: float  # Time to the planned touchdown [s]
+    sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
+    stance: FootPose  # The foot on the ground
 
     def error(self, remaining: float) -> np.ndarray:
         """Computes ξ - ξ_ref now if touchdown comes after ``remaining`` [m], (2,).
@@ -152,21 +129,11 @@ def touchdown_for_balance(
     adjustment: StepAdjustmentLimits,
     limits: StepLimits,
 ) -> tuple[Footstep, float]:
-    """Chooses place and time of the touchdown.
+    """Chooses place and time of the touchdown; returns the step and the time to it [s].
 
     The place shifts first; the swing becomes faster if the place is out of reach.
-
-    Args:
-        step: The step in the air.
-        state: The pendulum now.
-        progress: Share of the swing that has passed, 0 to 1.
-        foot: Horizontal reference of the foot in the air in W [m], shape (2,).
-        adjustment: Part of the error that needs no step, and costs.
-        limits: Limits of a step.
-
-    Returns:
-        The step, with the same place if it needs no shift, and the time to its
-        touchdown [s].
+    ``foot`` is the horizontal reference of the foot in the air in W [m], ``progress``
+    its share of the swing.
     """
 
     def landing_after(remaining: float) -> tuple[Footstep, float, float]:
@@ -181,10 +148,10 @@ def touchdown_for_balance(
         )
         if not shift.any():
             return step, 0.0, 0.0
-        wanted = step.p_WF + np.append(shift, 0.0)
-        moved = saturate(replace(step, p_WF=wanted), state.stance, limits)
+        desired = step.p_WF + np.append(shift, 0.0)
+        moved = saturate(replace(step, p_WF=desired), state.stance, limits)
         moved = within_reach(moved, state.stance, adjustment.reach)
-        missing = float(np.hypot(*(wanted - moved.p_WF)[:2]))
+        missing = float(np.hypot(*(desired - moved.p_WF)[:2]))
         return moved, missing, float(np.hypot(*shift))
 
     planned = state.remaining

@@ -75,21 +75,12 @@ limit the share [m²]. Numerical: it avoids a division by zero."""
 def load_share_range(
     cop: np.ndarray, flat: SupportPolygon, other: SupportPolygon
 ) -> tuple[float, float]:
-    """Computes the shares of the weight that the other foot can carry for a given CoP.
+    """Computes the least and greatest share of the weight on ``other`` for a given CoP.
 
     With the share s on ``other`` the CoP lies in (1 - s)·``flat`` + s·``other``, a
     Minkowski sum whose edges are parallel to edges of the two polygons. Along each
-    outward normal of these edges the condition is linear in s.
-
-    Args:
-        cop: Center of pressure in the convex hull of both feet, horizontal in W [m],
-            shape (2,).
-        flat: Region in which the CoP of the one foot may lie.
-        other: Region in which the CoP of the other foot may lie.
-
-    Returns:
-        The least and the greatest share [-]; for a point outside the hull both are the
-        nearest possible share.
+    outward normal of these edges the condition is linear in s. For a point outside the
+    hull both are the nearest possible share.
     """
     normals = np.concatenate([_edge_normals(flat), _edge_normals(other)])
     near = (normals @ flat.vertices.T).max(axis=1)

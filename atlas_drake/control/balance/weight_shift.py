@@ -34,25 +34,14 @@ TRIES = 16
 
 @dataclass(frozen=True)
 class WeightShift:
-    """Motion of the center of mass from rest to rest, horizontal in W, shape (2,).
+    """Motion of the center of mass from rest to rest, horizontal in W, shape (2,)."""
 
-    Attributes:
-        start: Start of the motion [m].
-        end: Place where the center of mass comes to rest [m].
-        duration: Time that the motion takes [s], positive.
-    """
-
-    start: np.ndarray
-    end: np.ndarray
-    duration: float
+    start: np.ndarray  # Start of the motion [m]
+    end: np.ndarray  # Place where the center of mass comes to rest [m]
+    duration: float  # Time that the motion takes [s], positive
 
     def evaluate(self, time: float, omega: float) -> DcmReference:
-        """Computes the reference; it is constant before and after the motion.
-
-        Args:
-            time: Time since the start [s].
-            omega: Natural frequency of the pendulum [1/s].
-        """
+        """Computes the reference; it is constant before and after the motion."""
         com, velocity, acceleration = self.motion(time)
         return DcmReference(
             dcm=com + velocity / omega, cop=com - acceleration / (omega * omega)
@@ -69,12 +58,7 @@ class WeightShift:
         )
 
     def cop_outside(self, support: SupportPolygon, omega: float) -> float:
-        """Computes how far the CoP leaves ``support`` at most [m]; negative inside.
-
-        Args:
-            support: Region in which the CoP may lie.
-            omega: Natural frequency of the pendulum [1/s].
-        """
+        """Computes how far the CoP leaves ``support`` at most [m]; negative inside."""
         return max(
             support.distance_outside(self.evaluate(share * self.duration, omega).cop)
             for share in CHECKED
@@ -82,19 +66,14 @@ class WeightShift:
 
 
 def sway_duration(distance: float, max_acceleration: float) -> float:
-    """Computes the least duration [s] of a weight shift over ``distance`` [m].
-
-    Args:
-        distance: Distance that the center of mass moves [m].
-        max_acceleration: Greatest acceleration of the center of mass [m/s²].
-    """
+    """Computes the least duration [s] of a weight shift over ``distance`` [m]."""
     return math.sqrt(PEAK_ACCELERATION * distance / max_acceleration)
 
 
 def plan_weight_shift(
     dcm: np.ndarray,
     end: np.ndarray,
-    least_duration: float,
+    min_duration: float,
     support: SupportPolygon,
     inside: float,
     omega: float,
@@ -106,25 +85,12 @@ def plan_weight_shift(
     velocity, and never leads farther outward. If the DCM is less than START_INSIDE
     times ``inside`` within the support, the way to ``end`` is searched in steps of a
     tenth, and the weight shift starts at the first point that is far enough inside; the
-    reference of the DCM then jumps.
-
-    Args:
-        dcm: DCM of the robot, horizontal in W [m], shape (2,).
-        end: Place where the center of mass comes to rest [m], shape (2,).
-        least_duration: First duration that is tried [s].
-        support: Region in which the CoP may lie.
-        inside: Margin of the CoP to the edge of the support, reserved for feedback [m].
-        omega: Natural frequency of the pendulum [1/s].
-
-    Returns:
-        The weight shift, in the shortest of the durations tried that keeps its CoP
-        ``inside`` the support. If none does, the longest of them, which is
-        LONGER ** (TRIES - 1) = 8.1 times ``least_duration``; its CoP leaves the margin,
-        and no error is raised.
+    reference of the DCM then jumps. The CoP stays ``inside`` [m] the support, unless
+    the longest duration tried, 8.1 times ``min_duration``, is too short.
     """
     start = _pulled_inside(dcm, end, support, START_INSIDE * inside)
     for attempt in range(TRIES):
-        sway = WeightShift(start, end, least_duration * LONGER**attempt)
+        sway = WeightShift(start, end, min_duration * LONGER**attempt)
         if sway.cop_outside(support, omega) <= -inside:
             break
     return sway

@@ -58,23 +58,14 @@ def composed(q_WA: np.ndarray, q_AB: np.ndarray) -> np.ndarray:
 
 
 def upright_correction(force_W: np.ndarray, dt: float, settling: float) -> np.ndarray:
-    """Computes a small rotation that brings the specific force nearer to the vertical.
+    """Computes a small turn in W that brings the specific force nearer to the vertical.
 
     A first-order filter corrects an error of tilt with the time constant ``settling``
-    and leaves the heading alone. The motion of the robot disturbs the tilt by its
+    [s] and leaves the heading alone. The motion of the robot disturbs the tilt by its
     change of horizontal velocity divided by ``settling`` and gravity, because the rest
     of the specific force is gravity itself: walking at 0.5 m/s disturbs the tilt by no
     more than half a milliradian at 100 s. The filter therefore needs no detection of
-    rest.
-
-    Args:
-        force_W: Specific force in W by the present estimate of orientation; 9.81 m/s²
-            upward for a robot at rest [m/s²], shape (3,).
-        dt: Time over which the specific force was measured [s].
-        settling: Time constant [s].
-
-    Returns:
-        Turn in W.
+    rest. ``force_W`` is 9.81 m/s² upward for a robot at rest.
     """
     x, y, _ = force_W.tolist()
     gain = dt / (settling * GRAVITY)

@@ -64,19 +64,14 @@ class OdometryTuning(Configuration):
 class OdometryState(Frozen):
     """State of the filter. I is the place of the IMU, P the pelvis, F a sole.
 
-    Attributes:
-        q_WP: Orientation of the pelvis, unit quaternion [w, x, y, z], shape (4,).
-        mean: Rows p_WI [m], v_WI [m/s], the accelerometer's bias in P [m/s²], p_WF of
-            the left and p_WF of the right sole [m]; shape (5, 3).
-        covariance: Of the rows, shape (5, 5). All noise is the same in all directions,
-            so that one covariance does for the three axes; strictly that holds while
-            the pelvis does not turn, by which the bias turns in W, but the bias is
-            known before a robot has turned far.
+    All noise is the same in all directions, so that one covariance does for the three
+    axes; strictly that holds while the pelvis does not turn, by which the bias turns in
+    W, but the bias is known before a robot has turned far.
     """
 
-    q_WP: np.ndarray
-    mean: np.ndarray
-    covariance: np.ndarray
+    q_WP: np.ndarray  # Orientation of the pelvis, unit quaternion, shape (4,)
+    mean: np.ndarray  # Rows p_WI, v_WI, bias in P [m/s²], p_WF left and right; (5, 3)
+    covariance: np.ndarray  # Of the rows, the same for each axis; shape (5, 5)
 
     @property
     def p_WI(self) -> np.ndarray:
@@ -106,15 +101,7 @@ def start_odometry(
     p_WF: np.ndarray,
     tuning: OdometryTuning,
 ) -> OdometryState:
-    """Makes the state of the filter for a robot whose pose is known.
-
-    Args:
-        q_WP: Orientation of the pelvis, unit quaternion, shape (4,).
-        p_WI: Position of the IMU [m], shape (3,).
-        v_WI: Velocity of the IMU [m/s], shape (3,).
-        p_WF: Positions of left and right sole [m], shape (2, 3).
-        tuning: Gives the initial uncertainty of the bias.
-    """
+    """Makes the state of the filter for a robot whose pose is known."""
     mean = np.vstack([p_WI, v_WI, np.zeros(3), p_WF])
     covariance = np.zeros((5, 5))
     covariance[_BIAS, _BIAS] = tuning.bias**2
@@ -130,13 +117,8 @@ def predict(
 ) -> OdometryState:
     """Predicts the state from the measurements of the IMU.
 
-    Args:
-        state: State before the prediction.
-        turn_P: Rotation since then, the gyroscope's integral [rad], shape (3,).
-        velocity_P: The accelerometer's integral, specific force times time, in the
-            pelvis' axes halfway through the turn [m/s], shape (3,).
-        dt: Time since then [s], positive.
-        tuning: Tuning of the filter.
+    ``turn_P`` is the gyroscope's integral [rad], ``velocity_P`` the accelerometer's, in
+    the pelvis' axes halfway through the turn [m/s].
     """
     R_WP = rotation_matrix(turned(state.q_WP, 0.5 * turn_P))
     mean = state.mean.copy()
@@ -166,19 +148,12 @@ def correct(
 ) -> OdometryState:
     """Corrects the state with the kinematics of the legs.
 
-    A foot is assumed to stay in place, with less drift the more load it carries. A foot
-    that seems to slide gets a large drift, because the accelerometer is the better
-    measurement for a while: otherwise the filter would take the whole slip for motion
-    of the pelvis. A foot in the air is placed by kinematics, and so gets a new anchor
-    when it lands.
-
-    Args:
-        state: The predicted state.
-        p_IF_W: Positions of left and right sole from the IMU, in W [m], shape (2, 3).
-        v_IF_W: Rate of change of ``p_IF_W``, in W [m/s], shape (2, 3).
-        load: Vertical force on each foot as a share of the weight [-], shape (2,).
-        dt: Time since the last correction [s].
-        tuning: Tuning of the filter.
+    A foot is assumed to stay in place, with less drift the more ``load`` it carries, in
+    weights [-]. A foot that seems to slide gets a large drift, because the
+    accelerometer is the better measurement for a while: otherwise the filter would take
+    the whole slip for motion of the pelvis. A foot in the air is placed by kinematics,
+    and so gets a new anchor when it lands. ``p_IF_W`` and ``v_IF_W`` are the positions
+    [m] of the soles from the IMU and their rate [m/s], in W.
     """
     standing = [foot for foot in (0, 1) if load[foot] > tuning.no_load]
     covariance = state.covariance.copy()
@@ -188,7 +163,7 @@ def correct(
         for foot in standing:
             own = _FEET[foot]
             speed = float(np.linalg.norm(state.v_WI + v_IF_W[foot]))
-            slip = _slip(float(load[foot]), speed, tuning)
+            slip = slip_rate(float(load[foot]), speed, tuning)
             covariance[own, own] += slip * slip * dt
     else:
         rows, seen, variance = [_EYE[_VELOCITY]], np.zeros((1, 3)), tuning.rest**2
@@ -212,8 +187,8 @@ def correct(
     return OdometryState(state.q_WP, mean, covariance)
 
 
-def _slip(load: float, speed: float, tuning: OdometryTuning) -> float:
-    """Drift of a foot that carries ``load`` and moves at ``speed`` [m/√s]."""
+def slip_rate(load: float, speed: float, tuning: OdometryTuning) -> float:
+    """Computes the drift of a foot by its load [-] and its speed [m/s], in m/√s."""
     light = (tuning.full_load - load) / (tuning.full_load - tuning.no_load)
     fast = (speed - tuning.still) / (tuning.sliding - tuning.still)
     loose = min(max(light, fast, 0.0), 1.0)

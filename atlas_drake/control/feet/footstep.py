@@ -12,10 +12,7 @@ import numpy as np
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, UP, FootPose, Footstep
-from atlas_drake.rotations import (
-    rotation_z,
-    wrap_angle,
-)
+from atlas_drake.rotations import rotation_z, wrap_angle
 
 
 def outward(foot: int) -> float:
@@ -39,13 +36,7 @@ def resolve_height(step: Footstep, stance: FootPose, limits: StepLimits) -> Foot
 
 
 def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
-    """Returns the step nearest to ``step`` that the robot can take from ``stance``.
-
-    Args:
-        step: The commanded step, with its height in W.
-        stance: The foot that stays on the ground.
-        limits: Limits of one step.
-    """
+    """Returns the step nearest to ``step`` that the robot can take from ``stance``."""
     R_WS = rotation_z(stance.yaw)
     sign = outward(step.foot)
     p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
@@ -72,11 +63,8 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
 def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
     """Returns the step with a swing high enough for its difference in height.
 
-    Args:
-        step: A saturated step.
-        start: Pose of the foot at lift-off.
-        limits: Give the lowest swing on level ground. It grows with the climb, so that
-            the foot also clears the higher end by more.
+    The lowest swing grows with the climb, so that the foot also clears the higher end
+    by more.
     """
     climb = abs(float(step.p_WF[2] - start.p_WF[2]))
     least, greatest = limits.swing_height
@@ -87,9 +75,7 @@ def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Foo
 def longest_duration(apart: float, limits: StepLimits) -> float:
     """Computes the longest time that a step may take [s].
 
-    Args:
-        apart: Largest distance between the feet, before the step or after it [m].
-        limits: Give the longest duration by distance.
+    ``apart`` is the largest distance between the feet, before the step or after it [m].
     """
     share = clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
     longest = limits.duration.greatest
@@ -99,10 +85,8 @@ def longest_duration(apart: float, limits: StepLimits) -> float:
 def shortest_duration(climb: float, limits: StepLimits) -> float:
     """Computes the shortest time that a step may take [s].
 
-    Args:
-        climb: Largest difference in height between the feet, before the step or after
-            it [m].
-        limits: Give the shortest duration by difference in height.
+    ``climb`` is the largest difference in height between the feet, before the step or
+    after it [m].
     """
     shortest = limits.duration.least
     if limits.rise <= limits.easy_rise:
@@ -118,12 +102,6 @@ def limit_duration(
 
     Their larger distance, before the step or after it, gives the longest duration, and
     their larger difference in height the shortest.
-
-    Args:
-        step: A saturated step.
-        start: Pose of the foot at lift-off.
-        stance: The foot that stays on the ground.
-        limits: Give the durations by distance and difference in height.
     """
     ways = [place - stance.p_WF for place in (start.p_WF, step.p_WF)]
     longest = longest_duration(max(math.hypot(*way[:2]) for way in ways), limits)

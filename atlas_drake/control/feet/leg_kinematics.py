@@ -20,38 +20,21 @@ from atlas_drake.rotations import rotation_x, rotation_y, rotation_z
 
 @dataclass(frozen=True)
 class LegPose:
-    """One leg's joints in one pose; all vectors in the pelvis frame.
+    """One leg's joints in one pose; all vectors in the pelvis frame."""
 
-    Attributes:
-        angles: Joint angles [rad], shape (6,).
-        axes: Unit vectors of the joints' axes, shape (6, 3).
-        points: A point on each axis [m], shape (6, 3).
-    """
-
-    angles: np.ndarray
-    axes: np.ndarray
-    points: np.ndarray
+    angles: np.ndarray  # Joint angles [rad], shape (6,)
+    axes: np.ndarray  # Unit vectors of the joints' axes, shape (6, 3)
+    points: np.ndarray  # A point on each axis [m], shape (6, 3)
 
     def torques(self, p_PC: np.ndarray, f_P: np.ndarray) -> np.ndarray:
-        """Computes the joint torques that hold forces at the sole [N·m], shape (6,).
-
-        Args:
-            p_PC: Point at which the forces act [m].
-            f_P: One force [N], shape (3,), or one force for each joint, shape (6, 3).
-        """
+        """Computes the joint torques [N·m], (6,), that hold forces [N] at p_PC [m]."""
         return -(self.axes * np.cross(p_PC - self.points, f_P)).sum(axis=1)
 
 
 def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     """Solves the inverse kinematics of a leg for a pose of the sole, knee bent forward.
 
-    Args:
-        leg: Which leg.
-        p_PF: Position of the sole in the pelvis frame [m].
-        R_PF: Orientation of the sole.
-
-    Returns:
-        The pose; None if the leg is too short, or the hip is below the ankle.
+    Returns None if the leg is too short, or the hip is below the ankle.
     """
     p_PA = p_PF + R_PF @ leg.p_FA
     # Ankle x tilts the leg's plane to its constant distance from the hip center.
@@ -94,7 +77,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     )
 
 
-DEEPEST_SQUAT = 0.40
+MAX_SQUAT = 0.40
 """Range below the highest position in which the lowest is searched [m]. Numerical, like
 HALVINGS: the range and the resolution of a search."""
 HALVINGS = 9
@@ -128,11 +111,7 @@ def highest_com(
 ) -> float:
     """Computes the greatest height of the CoM in W [m] at which all legs reach.
 
-    Args:
-        legs: Left and right leg.
-        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
-        com: Center of mass, horizontal in W [m], shape (2,).
-        footholds: Indices of the feet, with the poses that their soles have to reach.
+    ``hips`` are relative to the center of mass, ``com`` is its place in W [m], (2,).
     """
     heights = []
     for foot, pose in footholds:
@@ -150,11 +129,7 @@ def highest_sole(
 ) -> float:
     """Computes the height in W [m] to which a folding leg can lift its level sole.
 
-    Args:
-        legs: Left and right leg.
-        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
-        height: Height of the center of mass in W [m].
-        foot: Index of the lifted foot.
+    ``height`` is that of the center of mass in W [m].
     """
     leg = legs[foot]
     folded = leg_length(leg, leg.straight + leg.most_flexion)
@@ -172,27 +147,21 @@ def lowest_com(
 ) -> float:
     """Computes the least height of the CoM in W [m] that the standing knee can carry.
 
-    Args:
-        legs: Left and right leg.
-        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
-        com: Center of mass, horizontal in W [m], shape (2,).
-        foot: Index of the foot that carries the robot alone.
-        pose: Pose of the sole of that foot.
-        lever: Greatest distance of the knee ahead of the center of mass [m].
+    ``lever`` is the greatest distance of the knee ahead of the center of mass [m].
     """
     high = highest_com(legs, hips, com, [(foot, pose)])
-    low = high - DEEPEST_SQUAT
+    low = high - MAX_SQUAT
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:
+        if knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:
             low = middle
         else:
             high = middle
     return high
 
 
-def _knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
-    """Distance of the standing leg's knee ahead of the center of mass [m]."""
+def knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
+    """Computes how far the standing leg's knee is ahead of the center of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])
     ankle = pose.p_WF + pose.R_WF @ leg.p_FA
     to_hip = com + hip - ankle

@@ -40,13 +40,7 @@ def sole_corners(
 
 
 def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
-    """Computes the pose of a sole with its heel raised.
-
-    Args:
-        flat: Pose of the flat sole.
-        angle: Pitch of the sole about its toes [rad].
-        half_length: Half the length of the sole [m].
-    """
+    """Computes the pose of a sole with its heel raised by ``angle`` about the toes."""
     toes = flat.p_WF + half_length * flat.R_WF[:, 0]
     R_WF = flat.R_WF @ rotation_y(angle)
     return FootPose(toes - half_length * R_WF[:, 0], R_WF)
@@ -76,26 +70,15 @@ def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.nda
 
 @dataclass(frozen=True)
 class SolePatches:
-    """Regions in which the QP keeps the center of pressure of one sole.
+    """Regions in which the QP keeps the center of pressure of one sole."""
 
-    Attributes:
-        whole: The sole less its margins.
-        middle: The middle of the sole, which turns a foot that stands on an edge flat.
-        toes: The strip at the front of the sole, while the heel is up.
-    """
-
-    whole: ContactPatch
-    middle: ContactPatch
-    toes: ContactPatch
+    whole: ContactPatch  # The sole less its margins
+    middle: ContactPatch  # Turns a foot that stands on an edge flat
+    toes: ContactPatch  # The strip at the front of the sole, while the heel is up
 
 
 def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
-    """Makes the patches of a sole.
-
-    Args:
-        sole: Size of the sole.
-        contact: Friction, and the margins that are closed to the center of pressure.
-    """
+    """Makes the patches of a sole, within the margins that are closed to the CoP."""
 
     def patch(x: tuple[float, float], half_width: float) -> ContactPatch:
         return ContactPatch.rectangle(

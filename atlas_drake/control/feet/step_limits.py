@@ -76,13 +76,7 @@ class StepLimits(Configuration):
     """Apex of a swing above the middle of its ends [m]."""
 
     def extended(self, outward: float, inward: float = 0.0) -> Self:
-        """Returns limits with other distances between the feet.
-
-        Args:
-            outward: Distance [m] by which a step may go farther ahead, back and to
-                its side.
-            inward: Distance [m] by which the feet may be nearer to each other.
-        """
+        """Returns limits with the feet farther apart or nearer to each other [m]."""
         narrowest, widest = self.width
         return replace(
             self,
@@ -101,8 +95,8 @@ class StepLimits(Configuration):
                 )
         shortest, longest = self.duration
         if not shortest <= self.far_duration <= longest:
-            wanted = f"must be within duration ({shortest:g} to {longest:g})"
-            raise ScenarioError.about("far_duration", self.far_duration, wanted)
+            desired = f"must be within duration ({shortest:g} to {longest:g})"
+            raise ScenarioError.about("far_duration", self.far_duration, desired)
         if self.far <= self.near:
             raise ScenarioError.about(
                 "far", self.far, f"must be more than near ({self.near:g})"

@@ -47,29 +47,17 @@ class StepSwingProfile(Configuration):
 
 @dataclass(frozen=True)
 class StepSwing:
-    """Path of a sole from lift-off to landing.
+    """Path of a sole from lift-off to landing."""
 
-    Attributes:
-        start: Pose at lift-off; the heel may be up.
-        flat: Orientation of the sole after lifting.
-        goal: Pose on landing.
-        top: Height in W at which the move across starts and ends [m].
-        arc: Rise of the foot above ``top`` midway [m].
-        lift: Duration of lifting [s].
-        move: Duration of moving across [s].
-        lower: Duration of lowering [s].
-        profile: Parameters that are the same for all steps.
-    """
-
-    start: FootPose
-    flat: np.ndarray
-    goal: FootPose
-    top: float
-    arc: float
-    lift: float
-    move: float
-    lower: float
-    profile: StepSwingProfile
+    start: FootPose  # Pose at lift-off; the heel may be up
+    flat: np.ndarray  # Orientation of the sole after lifting
+    goal: FootPose  # Pose on landing
+    top: float  # Height in W at which the move across starts and ends [m]
+    arc: float  # Rise of the foot above ``top`` midway [m]
+    lift: float  # Duration of lifting [s]
+    move: float  # Duration of moving across [s]
+    lower: float  # Duration of lowering [s]
+    profile: StepSwingProfile  # Parameters that are the same for all steps
 
     @property
     def duration(self) -> float:
@@ -131,17 +119,10 @@ def plan_step_swing(
     max_speed: float,
     profile: StepSwingProfile,
 ) -> StepSwing:
-    """Plans a swing that takes ``duration``, or longer if the speed limit requires it.
+    """Plans a swing that takes ``duration`` [s], or longer within ``max_speed`` [m/s].
 
-    Args:
-        start: Pose at lift-off.
-        home: Pose in which the foot stood flat before the heel rose.
-        goal: Pose on landing.
-        lift_height: Lift above the higher of ``home`` and ``goal`` [m].
-        swing_height: Rise above the lifted height while moving across [m].
-        duration: Wanted time from lift-off to touchdown [s].
-        max_speed: Speed that the foot does not exceed in any phase [m/s].
-        profile: Parameters that are the same for all steps.
+    ``home`` is the flat pose before the heel rose; ``lift_height`` [m] counts from the
+    higher of ``home`` and ``goal``, ``swing_height`` [m] from the lifted height.
     """
     top = max(home.p_WF[2], goal.p_WF[2], start.p_WF[2] - lift_height) + lift_height
     way = math.hypot(*(goal.p_WF - start.p_WF)[:2])

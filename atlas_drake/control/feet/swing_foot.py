@@ -13,21 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.config import (
-    Configuration,
-    NotNegative,
-    Positive,
-    ProperShare,
-    Share,
-)
+from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import (
-    cross,
-    rotation_with_normal,
-    rotation_y,
-    wrap_angle,
-)
+from atlas_drake.rotations import cross, rotation_with_normal, rotation_y, wrap_angle
 
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
@@ -71,19 +60,12 @@ class SwingProfile(Configuration):
 
 @dataclass(frozen=True)
 class FootSwing:
-    """State of the swing reference, advanced once per control tick.
+    """State of the swing reference, advanced once per control tick."""
 
-    Attributes:
-        start: Pose at lift-off.
-        duration: Duration of the swing [s].
-        elapsed: Time since lift-off [s].
-        xy, xy_velocity, xy_acceleration: Horizontal reference in W, shape (2,).
-    """
-
-    start: FootPose
-    duration: float
-    elapsed: float
-    xy: np.ndarray
+    start: FootPose  # Pose at lift-off
+    duration: float  # Duration of the swing [s]
+    elapsed: float  # Time since lift-off [s]
+    xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
 
@@ -97,12 +79,8 @@ class FootSwing:
         """Share of the swing that has passed, 0 to 1."""
         return min(self.elapsed / self.duration, 1.0)
 
-    def hastened(self, sooner: float) -> FootSwing:
-        """Returns the swing at the same point of its path, with an earlier landing.
-
-        Args:
-            sooner: Time by which touchdown comes earlier [s].
-        """
+    def landing_sooner(self, sooner: float) -> FootSwing:
+        """Returns the swing at the same point of its path, landing ``sooner`` [s]."""
         if sooner == 0.0:
             return self
         left = self.remaining - sooner
@@ -112,18 +90,12 @@ class FootSwing:
 
 @dataclass(frozen=True)
 class SwingReference:
-    """Reference of the sole at one instant: pose, velocity, acceleration in W.
+    """Reference of the sole at one instant: pose, velocity, acceleration in W."""
 
-    Attributes:
-        p_WF, v_WF, a_WF: Position, velocity and acceleration of the sole's center,
-            shape (3,).
-        R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
-    """
-
-    p_WF: np.ndarray
+    p_WF: np.ndarray  # Of the sole's center: position, velocity, acceleration
     v_WF: np.ndarray
     a_WF: np.ndarray
-    R_WF: np.ndarray
+    R_WF: np.ndarray  # Orientation, angular velocity and acceleration
     w_WF: np.ndarray
     alpha_WF: np.ndarray
 
@@ -313,12 +285,7 @@ def quintic_progress(s: float) -> tuple[float, float, float]:
 
 
 def quintic_step(
-    p: np.ndarray,
-    v: np.ndarray,
-    a: np.ndarray,
-    goal: np.ndarray,
-    T: float,
-    dt: float,
+    p: np.ndarray, v: np.ndarray, a: np.ndarray, goal: np.ndarray, T: float, dt: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Advances by ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
     d = goal - p - v * T - 0.5 * a * T * T

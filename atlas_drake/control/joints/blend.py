@@ -25,19 +25,11 @@ def blend(
 
 @dataclass(frozen=True)
 class UserForecast:
-    """The user's effort over one control tick: effort - inertia·v̇.
+    """The user's effort over one control tick: effort - inertia·v̇."""
 
-    Attributes:
-        effort: Effort for a joint that does not accelerate [N·m], shape (n,).
-        inertia: Decrease of the effort per acceleration of the joint, because the
-            user's damping and stiffness resist within the tick [kg·m²], shape (n,).
-        excess: Signed amount by which the user's effort exceeds the motor's limit; 0
-            within the limit [N·m], shape (n,).
-    """
-
-    effort: np.ndarray
-    inertia: np.ndarray
-    excess: np.ndarray
+    effort: np.ndarray  # Effort for a joint that does not accelerate [N·m], (n,)
+    inertia: np.ndarray  # Decrease of the effort per acceleration [kg·m²], (n,)
+    excess: np.ndarray  # Signed amount beyond the motor's limit [N·m], (n,)
 
 
 def forecast_user_effort(
@@ -69,16 +61,8 @@ def forecast_user_effort(
     law itself gives the ``excess``, with damping at the velocity at the end of its
     step.
 
-    Args:
-        static_effort: kp·e, the integral and all other terms that do not depend on the
-            joint's velocity [N·m], shape (n,).
-        stiffness: kp [N·m/rad], shape (n,).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        v: Joint velocities [rad/s], shape (n,).
-        excess: Signed amount by which the law's effort exceeds the limit [N·m], shape
-            (n,).
-        dt: Length of the tick [s].
-        step: Step h of the user's law [s].
+    τ_static [N·m] has kp·e, the integral and all other terms that do not depend on the
+    velocity; d [N·m·s/rad] is the sum of all gains on velocity.
     """
     effort = static_effort - (0.5 * (dt - step) * stiffness + damping) * v
     inertia = dt * damping + ((dt * dt - step * step) / 6.0) * stiffness
@@ -93,11 +77,6 @@ def effort_bounds(
     The effort limit applies to the total, not to the user's part: an excess of the
     user's effort narrows the range from one side, until the behavior has no influence
     left.
-
-    Args:
-        share: Blend weight k of the user, 0 to 1, shape (n,).
-        user: Forecast of the user's effort.
-        effort_limit: Effort limits [N·m], shape (n,).
     """
     middle = share * user.effort
     reach = (1.0 - share) * effort_limit

@@ -24,24 +24,13 @@ in the air (0.009 kg·m², 700 N·m): 1.3e-5.
 
 
 def damping_mode_gain(effort_limit: np.ndarray, period: float) -> np.ndarray:
-    """Computes the damping of each joint [N·m·s/rad], shape (n,).
-
-    Args:
-        effort_limit: Effort limits [N·m], shape (n,).
-        period: Time for which an effort is held [s].
-    """
+    """Computes each joint's damping [N·m·s/rad] for efforts held for ``period`` [s]."""
     return min(DAMPING_PER_EFFORT, DAMPING_PER_TICK / period) * effort_limit
 
 
 def damping_effort(
     v: np.ndarray, effort_limit: np.ndarray, period: float
 ) -> np.ndarray:
-    """Computes the effort of pure damping [N·m], shape (n,).
-
-    Args:
-        v: Joint velocities [rad/s], shape (n,).
-        effort_limit: Effort limits [N·m], shape (n,).
-        period: Time for which the effort is held [s].
-    """
+    """Computes the effort of pure damping [N·m], (n,), held for ``period`` [s]."""
     effort = -damping_mode_gain(effort_limit, period) * v
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)

@@ -27,22 +27,13 @@ from atlas_drake.robot import Robot
 
 @dataclass(frozen=True)
 class PidState:
-    """State of the law; arrays (n,).
+    """State of the law; arrays (n,)."""
 
-    Attributes:
-        integral: Integral of the position error times its gain [N·m].
-        velocity: Velocity at the last step [rad/s].
-        applied: Effort of the motors in the last step, within their limits [N·m].
-        expected: Change of velocity expected in the last step, by the motors and by
-            all other forces [rad/s].
-        static: ``static_effort`` of the last step [N·m].
-    """
-
-    integral: np.ndarray
-    velocity: np.ndarray
-    applied: np.ndarray
-    expected: np.ndarray
-    static: np.ndarray
+    integral: np.ndarray  # Integral of the position error times its gain [N·m]
+    velocity: np.ndarray  # Velocity at the last step [rad/s]
+    applied: np.ndarray  # Effort of the motors in the last step, limited [N·m]
+    expected: np.ndarray  # Change of velocity expected in the last step [rad/s]
+    static: np.ndarray  # ``static_effort`` of the last step [N·m]
 
 
 def within_limits(
@@ -100,7 +91,7 @@ PROMPT_STIFFNESS = 0.5
 inertia I [-]. A joint as light as in the model diverges from 1 on, one lighter by 15 %
 from 0.6 on."""
 
-MOST_CHANGE = 10.0
+MAX_CHANGE = 10.0
 """Largest change of a joint's static effort in a step that may act without that delay,
 over the one that its own motion causes [-]. A set-point that is sent every few steps
 moves in jumps of several; one that jumps while the joint rests is answered with
@@ -119,27 +110,15 @@ saturated [-]."""
 
 @dataclass(frozen=True)
 class StepModel:
-    """Response of the velocities to efforts within a step.
+    """Response of the velocities to efforts within a step."""
 
-    Attributes:
-        response: h·Λ, velocity change per effort [rad/s per N·m], shape (n, n).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        share: Blend weight k of the user for each joint, 0 to 1, shape (n,).
-        gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
-        blend: Weight b of a new change of velocity in the estimate [-].
-        prompt: Part of a change of the user's static effort that acts without the
-            estimate's delay, times k, see ``change_without_user`` [-], shape (n,).
-        stiffness: h·kp, change of the static effort per velocity [N·m·s/rad], shape
-            (n,).
-    """
-
-    response: np.ndarray
-    damping: np.ndarray
-    share: np.ndarray
-    gain: np.ndarray
-    blend: float
-    prompt: np.ndarray
-    stiffness: np.ndarray
+    response: np.ndarray  # h·Λ, velocity change per effort [rad/s per N·m], (n, n)
+    damping: np.ndarray  # Sum d of all gains on velocity [N·m·s/rad], shape (n,)
+    share: np.ndarray  # Blend weight k of the user for each joint, 0 to 1, shape (n,)
+    gain: np.ndarray  # G = (1 + D·h·Λ·K)⁻¹, shape (n, n)
+    blend: float  # Weight b of a new change of velocity in the estimate [-]
+    prompt: np.ndarray  # k times the part of a static effort that acts at once, (n,)
+    stiffness: np.ndarray  # h·kp, static effort per velocity [N·m·s/rad], (n,)
 
 
 def step_model(
@@ -151,12 +130,7 @@ def step_model(
 ) -> StepModel:
     """Makes the model of the robot that ``user_effort`` needs.
 
-    Args:
-        stiffness: Gain kp on position [N·m/rad], shape (n,).
-        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
-        share: Blend weight k of the user for each joint, 0 to 1.
-        inverse_mass: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
-        dt: The step h [s].
+    The gains are kp [N·m/rad] and the sum d of all gains on velocity [N·m·s/rad].
     """
     response = dt * inverse_mass
     coupling = damping[:, None] * (response * share)
@@ -195,15 +169,10 @@ def change_without_user(
     stiffness a part is taken to be balanced by whatever keeps the joint from yielding:
     its change acts at once, as in the explicit law (``StepModel.prompt``).
 
-    Args:
-        state: State of the last step.
-        static: ``static_effort`` of this step [N·m].
-        v: Velocities [rad/s].
-        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: Model from ``step_model``.
+    ``others`` is the behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
-    most = MOST_CHANGE * model.stiffness * np.abs(v)
+    most = MAX_CHANGE * model.stiffness * np.abs(v)
     balanced = np.minimum(np.maximum(static - state.static, -most), most)
     return change + model.response @ (others - state.applied - model.prompt * balanced)
 
@@ -235,16 +204,10 @@ def user_effort(
     A motor gives the blend of both efforts within its limit. Where a motor saturates,
     v⁺ changes for all joints, and ``_saturated`` computes it.
 
-    Args:
-        static: The law without its velocity terms, ``static_effort`` [N·m].
-        coasting: v_c, velocities and ``change_without_user`` together [rad/s].
-        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: Model from ``step_model``.
-        effort_limit: Effort limits [N·m].
-
-    Returns:
-        The user's effort τ, not limited, and the motors' effort, limited for all joints
-        with a user share above 0 [N·m], shapes (n,).
+    ``static`` is τ_static [N·m]; ``coasting`` is v_c, the velocities and
+    ``change_without_user`` together [rad/s]; ``others`` is the behavior's part of the
+    motors' efforts [N·m]. Returns the user's effort τ, not limited, and the motors'
+    effort, limited for all joints with a user share above 0 [N·m].
     """
     effort = model.gain @ (static - model.damping * coasting)
     total = others + model.share * effort
@@ -274,12 +237,12 @@ def _saturated(
     share, response = model.share, model.response
     idle = coasting - response @ others
     damping = share * model.damping
-    wanted = share * static + others
-    total = np.clip(wanted - damping * coasting, -effort_limit, effort_limit)
+    desired = share * static + others
+    total = np.clip(desired - damping * coasting, -effort_limit, effort_limit)
     damped = np.flatnonzero(damping > LIGHT_DAMPING)
     total[damped] = 0.0
     total[damped] = _saturated_damped(
-        wanted[damped],
+        desired[damped],
         (idle + response @ total)[damped],
         damping[damped],
         response[np.ix_(damped, damped)],
@@ -294,35 +257,27 @@ def _saturated(
 
 
 def _saturated_damped(
-    wanted: np.ndarray,
+    desired: np.ndarray,
     idle: np.ndarray,
     damping: np.ndarray,
     response: np.ndarray,
     limit: np.ndarray,
 ) -> np.ndarray:
-    """Solves the program of ``_saturated`` for damped joints; arrays (m,) and (m, m).
+    """Solves the program of ``_saturated`` for damped joints: efforts t [N·m], (m,).
 
-    Args:
-        wanted: K·τ_static + others [N·m].
-        idle: v_0 [rad/s].
-        damping: E, positive [N·m·s/rad].
-        response: h·Λ [rad/s per N·m].
-        limit: L [N·m]
-
-    Returns:
-        Efforts t [N·m].
+    The arguments are K·τ_static + others, v_0, E, h·Λ and L.
     """
     # Efforts beyond all that the damping can compensate are equivalent; a smaller one
     # keeps the solver accurate.
     beyond = limit + damping * (np.abs(idle) + np.abs(response) @ limit + 1.0)
-    wanted = np.clip(wanted, -beyond, beyond)
+    desired = np.clip(desired, -beyond, beyond)
     # In units in which the Hessian's diagonal is 1.
     unit = 1.0 / np.sqrt(1.0 / damping + response.diagonal())
     H = unit[:, None] * response * unit
     H.reshape(-1)[:: len(unit) + 1] = 1.0
     program = QuadraticProgram(
         H=H,
-        f=unit * (idle - wanted / damping),
+        f=unit * (idle - desired / damping),
         A=np.zeros((0, len(unit))),
         lower=-limit / unit,
         upper=limit / unit,
@@ -352,11 +307,9 @@ class InverseMass:
         return self._plant.CreateDefaultContext()
 
     def evaluate(self, context: Context, positions: np.ndarray) -> np.ndarray:
-        """Computes the joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
+        """Computes Λ, joint accelerations per effort [rad/s² per N·m], shape (n, n).
 
-        Args:
-            context: A scratch context; overwritten.
-            positions: Positions of the plant, in plant order.
+        Overwrites the scratch context; ``positions`` are in plant order.
         """
         self._plant.SetPositions(context, positions)
         return np.linalg.inv(self._plant.CalcMassMatrix(context))[self._block]

@@ -22,23 +22,12 @@ from atlas_drake.config import (
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.footstep import FootPose
-from atlas_drake.rotations import (
-    mean_yaw,
-    orientation,
-    tilt_of,
-    wrap_angle,
-    yaw_of,
-)
+from atlas_drake.rotations import mean_yaw, orientation, tilt_of, wrap_angle, yaw_of
 
 
 @dataclass(frozen=True)
 class MotionLimits(Configuration):
-    """Limits on the motion of a point, in any unit.
-
-    Raises:
-        ValueError: If the acceleration is too small to brake from full speed as fast as
-            the spring requires, so that the point would overshoot its goal.
-    """
+    """Limits on the motion of a point, in any unit."""
 
     speed: NotNegative
     """Greatest speed [1/s]."""
@@ -59,23 +48,17 @@ class MotionLimits(Configuration):
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of a point with any number of coordinates.
+    """Motion of a point with any number of coordinates."""
 
-    Attributes:
-        position: Position, shape (k,).
-        velocity: Velocity, shape (k,).
-        acceleration: Acceleration during the last tick, shape (k,).
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
+    position: np.ndarray  # Position, shape (k,)
+    velocity: np.ndarray  # Velocity, shape (k,)
+    acceleration: np.ndarray  # Acceleration during the last tick, shape (k,)
 
     def towards(self, goal: np.ndarray, limits: MotionLimits, dt: float) -> Motion:
         """Advances by ``dt`` [s]; from rest the path to ``goal`` is a straight line."""
         w = limits.rate
-        wanted = w * w * (goal - self.position) - 2.0 * w * self.velocity
-        pull = _bounded(wanted, limits.acceleration)
+        desired = w * w * (goal - self.position) - 2.0 * w * self.velocity
+        pull = _bounded(desired, limits.acceleration)
         velocity = _bounded(self.velocity + pull * dt, limits.speed)
         return Motion(
             position=self.position + velocity * dt,
@@ -139,23 +122,14 @@ class PelvisRange(Configuration):
 
 @dataclass(frozen=True)
 class Stance:
-    """Both feet on the ground.
+    """Both feet on the ground."""
 
-    Attributes:
-        feet: Left and right sole.
-        support: Region in which the CoP may lie on both soles.
-        middle: Middle between the soles in W [m], shape (3,).
-        yaw: Mean heading of the soles [rad].
-        along: Horizontal unit vector from the right to the left sole, shape (2,).
-        across: ``along`` turned to the right by a quarter turn, shape (2,).
-    """
-
-    feet: tuple[FootPose, FootPose]
-    support: SupportPolygon
-    middle: np.ndarray
-    yaw: float
-    along: np.ndarray
-    across: np.ndarray
+    feet: tuple[FootPose, FootPose]  # Left and right sole
+    support: SupportPolygon  # Region in which the CoP may lie on both soles
+    middle: np.ndarray  # Middle between the soles in W [m], shape (3,)
+    yaw: float  # Mean heading of the soles [rad]
+    along: np.ndarray  # Unit vector from the right to the left sole, shape (2,)
+    across: np.ndarray  # ``along`` turned to the right by a quarter turn, shape (2,)
 
     def com(self, pose: PelvisPose) -> np.ndarray:
         """Computes the CoM of ``pose``, horizontal in W [m], shape (2,)."""
@@ -237,17 +211,11 @@ class PelvisLead(Configuration):
 
 @dataclass(frozen=True)
 class PelvisMotion:
-    """The moving reference. It is kept in W, so that it stays when a sole slips.
+    """The moving reference. It is kept in W, so that it stays when a sole slips."""
 
-    Attributes:
-        height: Height of the pelvis' origin, shape (1,) [m].
-        turn: Yaw, pitch and roll of the pelvis, shape (3,) [rad].
-        com: Horizontal position of the center of mass, shape (2,) [m].
-    """
-
-    height: Motion
-    turn: Motion
-    com: Motion
+    height: Motion  # Height of the pelvis' origin, shape (1,) [m]
+    turn: Motion  # Yaw, pitch and roll of the pelvis, shape (3,) [rad]
+    com: Motion  # Horizontal position of the center of mass, shape (2,) [m]
 
     def towards(
         self, goal: PelvisPose, stance: Stance, rates: PelvisRates, dt: float

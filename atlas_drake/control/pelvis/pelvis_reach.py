@@ -115,14 +115,9 @@ class PelvisReach:
     ) -> PelvisPose:
         """Returns the feasible pose nearest to ``goal``.
 
-        Starting from ``home``, one coordinate after the other is moved toward ``goal``
-        as far as the coordinates before it allow: height, CoM, yaw, pitch, roll.
-
-        Args:
-            goal: Any finite pose.
-            home: An ``attainable`` pose.
-            stance: Poses of the feet.
-            p_PU: Center of mass of trunk and arms, see ``upper_body``.
+        Starting from ``home``, an ``attainable`` pose, one coordinate after the other
+        is moved toward ``goal`` as far as the coordinates before it allow: height, CoM,
+        yaw, pitch, roll.
         """
         goal = self._boxed(goal)
         if self.allows(goal, stance, p_PU):

@@ -143,13 +143,9 @@ class EffortBounds:
 
 
 class FrictionCones(NamedTuple):
-    """Limits of the contact wrenches: friction, center of pressure, normal force.
+    """Limits of the contact wrenches: friction, center of pressure, normal force."""
 
-    Attributes:
-        contacts: All contacts, in the order of their wrenches among the unknowns.
-    """
-
-    contacts: Sequence[Contact]
+    contacts: Sequence[Contact]  # In the order of their wrenches in z
 
     @property
     def num_rows(self) -> int:
@@ -187,16 +183,10 @@ class JointLimits:
         lower: np.ndarray,
         upper: np.ndarray,
     ) -> None:
-        """Writes the bounds of the joint accelerations [rad/s²].
+        """Writes the bounds of the joint accelerations [rad/s²], preset to infinite.
 
         A joint with a user share above 0 is not bounded: the QP would accelerate the
         whole body to hold a joint that the user drives into its stop.
-
-        Args:
-            dynamics: The tick's dynamics.
-            bounds: Who commands the joints.
-            lower: Lower bounds to fill in, preset to infinite, shape (n,).
-            upper: Upper bounds, likewise.
         """
         terms = dynamics.terms
         approach = self._gains.kp * terms.q + self._gains.kd * terms.v

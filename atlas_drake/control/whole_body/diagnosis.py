@@ -16,11 +16,11 @@ from atlas_drake.control.whole_body.quadratic_program import QuadraticProgram
 from atlas_drake.control.whole_body.tasks import Task, task_name
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
-LARGEST_WEIGHT = 1e7
+MAX_WEIGHT = 1e7
 """Weight beyond which the solver loses the other tasks to rounding; it fails at 1e8."""
-LARGEST_TARGET = 1e9
+MAX_TARGET = 1e9
 """Likewise of targets, whatever their unit."""
-MOST_REASONS = 3
+MAX_REASONS = 3
 """Number of reasons that are given: one fault often has several traces."""
 
 
@@ -30,26 +30,16 @@ def why_unsolved(
     program: QuadraticProgram,
     constraints: Sequence[Constraint],
 ) -> str:
-    """Return what is wrong with the parts of a QP, in words; empty if nothing shows.
-
-    Args:
-        terms: Model terms of the tick.
-        command: What was asked for.
-        program: That had no solution.
-        constraints: In the order of their rows in the program.
-    """
+    """Returns what is wrong with the parts of a QP in words; empty if nothing shows."""
     if not all(np.isfinite(part).all() for part in (terms.q, terms.v, terms.M)):
         return "the state of the robot is not finite"
-    reasons = [
-        *_of_tasks(terms, command),
-        *_of_constraints(program, constraints),
-    ]
+    reasons = [*_of_tasks(terms, command), *_of_constraints(program, constraints)]
     if not reasons and any(
         isinstance(constraint, TaskBounds) and not constraint.soft
         for constraint in command.constraints
     ):
         reasons = ["the hard bounds of the command may contradict others"]
-    return "; ".join(islice(dict.fromkeys(reasons), MOST_REASONS))
+    return "; ".join(islice(dict.fromkeys(reasons), MAX_REASONS))
 
 
 def _of_tasks(terms: WholeBodyTerms, command: WholeBodyCommand) -> Iterator[str]:
@@ -65,8 +55,8 @@ def _of_tasks(terms: WholeBodyTerms, command: WholeBodyCommand) -> Iterator[str]
 
 def _of_numbers(name: str, target: object, weight: object) -> Iterator[str]:
     for field, given, largest in (
-        ("target", target, LARGEST_TARGET),
-        ("weight", weight, LARGEST_WEIGHT),
+        ("target", target, MAX_TARGET),
+        ("weight", weight, MAX_WEIGHT),
     ):
         values = np.asarray(given, dtype=float)
         if not np.isfinite(values).all():

@@ -66,12 +66,10 @@ class WholeBodyModel:
         return self._plant.CreateDefaultContext()
 
     def evaluate(self, context: Context, state: np.ndarray) -> WholeBodyTerms:
-        """Computes all terms at one state of the robot.
+        """Computes all terms at one state of the robot, positions and velocities.
 
-        Args:
-            context: A scratch context from ``create_context``; overwritten, and read
-                again when ``terms.frame`` computes a further frame.
-            state: Positions and velocities in plant order, the free pelvis first.
+        The scratch context is overwritten, and read again when ``terms.frame`` computes
+        a further frame.
         """
         plant, indices = self._plant, self._indices
         state = np.array(state)

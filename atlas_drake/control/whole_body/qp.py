@@ -28,11 +28,7 @@ from atlas_drake.control.whole_body.constraints import (
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.diagnosis import why_unsolved
-from atlas_drake.control.whole_body.elimination import (
-    BASE,
-    ReducedDynamics,
-    TaskStack,
-)
+from atlas_drake.control.whole_body.elimination import BASE, ReducedDynamics, TaskStack
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.quadratic_program import (
     INEQUALITY,
@@ -77,10 +73,7 @@ class WholeBodyQp:
         self._weights = gains.weights
 
     def solve(
-        self,
-        terms: WholeBodyTerms,
-        command: WholeBodyCommand,
-        bounds: EffortBounds,
+        self, terms: WholeBodyTerms, command: WholeBodyCommand, bounds: EffortBounds
     ) -> WholeBodySolution:
         """Finds the efforts for one tick.
 
@@ -99,7 +92,7 @@ class WholeBodyQp:
         for name in ("target", "weight"):
             given = getattr(command.posture, name)
             shaped(given, (len(terms.q),), name, "the command's posture")
-        posture = _within_behavior_share(command.posture, terms, bounds, self._weights)
+        posture = within_behavior_share(command.posture, terms, bounds, self._weights)
         H, f = _cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
@@ -170,7 +163,7 @@ def _gravity_compensation(
     )
 
 
-def _within_behavior_share(
+def within_behavior_share(
     posture: PostureTask,
     terms: WholeBodyTerms,
     bounds: EffortBounds,
@@ -188,12 +181,12 @@ def _within_behavior_share(
     inertia = terms.M.diagonal()[BASE:] + bounds.added_inertia
     gravity = terms.h[BASE:]
     lowest, highest = bounds.lower - gravity, bounds.upper - gravity
-    wanted = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
+    target = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
     fading = bounds.behavior_weight**2 / (
         1.0 + weights.user_yielding * (1.0 - bounds.behavior_weight)
     )
     return PostureTask(
-        wanted, np.maximum(posture.weight * fading, weights.least_posture)
+        target, np.maximum(posture.weight * fading, weights.least_posture)
     )
 
 

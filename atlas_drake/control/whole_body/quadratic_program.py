@@ -18,39 +18,23 @@ INEQUALITY, EQUALITY, SOFT = 0, 5, 8
 
 @dataclass(frozen=True)
 class QuadraticProgram:
-    """Minimise ½ xᵀHx + fᵀx subject to lower ≤ [x; A x] ≤ upper.
+    """Minimise ½ xᵀHx + fᵀx subject to lower ≤ [x; A x] ≤ upper."""
 
-    Attributes:
-        H: Positive definite Hessian, shape (n, n).
-        f: Linear cost, shape (n,).
-        A: Constraint rows, shape (m, n).
-        lower: Lower bounds of the variables, then of the rows, shape (n + m,).
-        upper: Upper bounds, likewise.
-        kind: INEQUALITY, EQUALITY or SOFT for each bound, int32, shape (n + m,).
-    """
-
-    H: np.ndarray
-    f: np.ndarray
-    A: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    kind: np.ndarray
+    H: np.ndarray  # Positive definite Hessian, shape (n, n)
+    f: np.ndarray  # Linear cost, shape (n,)
+    A: np.ndarray  # Constraint rows, shape (m, n)
+    lower: np.ndarray  # Lower bounds of the variables, then of the rows, shape (n + m,)
+    upper: np.ndarray  # Upper bounds, likewise
+    kind: np.ndarray  # INEQUALITY, EQUALITY or SOFT of each bound, int32, (n + m,)
 
 
 @dataclass(frozen=True)
 class QpSolution:
-    """Result of the solver.
+    """Result of the solver."""
 
-    Attributes:
-        x: The minimiser, shape (n,).
-        found: False if the constraints contradict each other, the solver gave up, or
-            the program holds values that are not finite.
-        iterations: Active-set changes.
-    """
-
-    x: np.ndarray
-    found: bool
-    iterations: int
+    x: np.ndarray  # The minimiser, shape (n,)
+    found: bool  # False: contradicting bounds, no end, or a NaN
+    iterations: int  # Active-set changes
 
 
 def solve(problem: QuadraticProgram) -> QpSolution:

@@ -233,18 +233,7 @@ def task_name(task: object) -> str:
 
 
 def shaped(value: Any, shape: tuple[int, ...], name: str, owner: object) -> np.ndarray:
-    """Return a value as an array; quick where all is well, for use in every tick.
-
-    Args:
-        value: An array, or a list of numbers.
-        shape: That it must have.
-        name: Of the value.
-        owner: Whose it is: a task, or what to call it.
-
-    Raises:
-        ValueError: If it has another shape, or is made of anything but numbers; it
-            names value and owner.
-    """
+    """Returns a value as an array of a shape; an error names value and owner."""
     if type(value) is np.ndarray and value.shape == shape:
         return value
     named = f"{name} of {owner if isinstance(owner, str) else task_name(owner)} must"
