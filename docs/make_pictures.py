@@ -39,9 +39,9 @@ IMAGES = Path(__file__).parent / "images"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
 """Push of ``push.mp4`` [N·s], and its camera."""
-CLIP_SIZE = (800, 450)
-CLIP, CLIP_TIMES, CLIP_FPS, CLIP_COLORS = "cockpit.gif", (0.5, 9.5), 5, 64
-"""Part of the cockpit's film that moves in the README [s]: a click, and the walk."""
+CLIP, CLIP_SIZE, CLIP_FPS, CLIP_COLORS = "demo.gif", (400, 400), 5, 128
+CLIP_TIMES = (1.0, 17.0)
+"""Part of the tutorial that moves in the README [s]: who has which joint."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -87,17 +87,21 @@ def cut_clip(film: Path, clip: Path) -> None:
     begin, end = CLIP_TIMES
     with av.open(str(film)) as container:
         frames = [
-            frame.to_image().resize(CLIP_SIZE)
+            frame.to_image()
             for frame in container.decode(video=0)
             if begin <= frame.time < end
         ]
-    every = round(len(frames) / ((end - begin) * CLIP_FPS))
-    palette = frames[len(frames) // 2].quantize(CLIP_COLORS)
+    frames = frames[:: round(len(frames) / ((end - begin) * CLIP_FPS))]
+    # One palette of pictures from all over the film, with everybody's colors.
+    samples = frames[:: len(frames) // 8]
+    sheet = Image.new("RGB", (CLIP_SIZE[0] * len(samples), CLIP_SIZE[1]))
+    for index, sample in enumerate(samples):
+        sheet.paste(sample, (CLIP_SIZE[0] * index, 0))
+    palette = sheet.quantize(CLIP_COLORS)
     first, *others = [
-        frame.quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames[::every]
+        frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
     ]
-    spacing = 1e3 * (end - begin) / (1 + len(others))  # [ms]
+    spacing = 1e3 / CLIP_FPS  # [ms]
     first.save(clip, save_all=True, append_images=others, duration=spacing, loop=0)
     print(f"Wrote {clip} ({clip.stat().st_size / 1e3:.0f} kB).")
 
@@ -116,7 +120,6 @@ def main() -> None:
         make_readme_pictures(options.browser)
     if "cockpit" in pages:
         make_cockpit_pictures(str(shutil.which(options.browser)), IMAGES)
-        cut_clip(IMAGES / "cockpit.mp4", IMAGES / CLIP)
     if "extending" in pages:
         make_extending_pictures(IMAGES, partial(photograph, options.browser))
     if "worlds" in pages:
@@ -131,6 +134,9 @@ def make_films() -> None:
         atlas_drake(["demo", "--headless", "--log", log])
         show = ["owner", "plan", "swing"]
         film(read_log(log), IMAGES / "demo.mp4", size=FILM_SIZE, show=show)
+        clip = Path(folder) / "clip.mp4"
+        film(read_log(log), clip, size=CLIP_SIZE, show=show)
+        cut_clip(clip, IMAGES / CLIP)
         log = f"{folder}/push.mcap"
         with AtlasSimulation(Scenario(pushes=[push]), log=log) as sim:
             sim.advance_to(8.0)
