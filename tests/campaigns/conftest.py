@@ -41,16 +41,3 @@ def campaign(campaign_file):
         return load_campaign(campaign_file(more, code))
 
     return load
-
-
-def record(number, success=True, seed=None, **figures):
-    """The record of a trial."""
-    return {
-        "trial": number,
-        "seed": number if seed is None else seed,
-        "values": {},
-        "success": success,
-        "missed": [],
-        "figures": figures,
-        "error": None,
-    }
