@@ -6,11 +6,11 @@ Results do not depend on the number of processes or machines.
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import CancelledError, as_completed
+from concurrent.futures import as_completed
 from pathlib import Path
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.children import Work, as_line, local_threads
+from atlas_drake.campaigns.children import Work, local_threads
 from atlas_drake.campaigns.cluster import cluster_workers
 from atlas_drake.campaigns.plan import Record, Records, missing_trials
 from atlas_drake.campaigns.report import check_packages
@@ -59,18 +59,18 @@ def run_campaign(
     work = Work.of(campaign)
     with Results(Path(out), campaign) as results, workers as submit:
         while missing := missing_trials(campaign, results.records):
-            futures = {submit(work, trial): trial for trial in missing}
+            futures = [submit(work, trial) for trial in missing]
             total = len(results.records) + len(missing)
             for future in as_completed(futures):
                 try:
                     line = future.result()
-                except CancelledError:
-                    problem = "the scheduler is gone; the same command goes on"
-                    raise ScenarioError("--cluster", cluster, problem) from None
                 except AtlasError:
                     raise
-                except Exception as error:  # Dask's, of a trial that ended workers.
-                    line = as_line(futures[future].record(error=f"{error!r}"))
+                except Exception as error:
+                    if cluster is None:
+                        raise
+                    problem = f"{error!r}; the same command goes on from there"
+                    raise ScenarioError("--cluster", cluster, problem) from error
                 record = results.add(line)
                 if on_trial is not None:
                     on_trial(record, len(results.records), total)
