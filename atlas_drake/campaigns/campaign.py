@@ -132,11 +132,7 @@ class Campaign(CheckedOnce):
     goal."""
 
     def validate(self) -> Campaign:
-        """Returns the campaign with every field checked except the names of functions.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the campaign, checked except for the names of functions."""
         if self.is_checked:
             return self
         valid: Campaign = checked(Campaign, self)
@@ -154,12 +150,7 @@ class Campaign(CheckedOnce):
     def check_values(self, behaviors: Iterable[BehaviorEntry] | None = None) -> None:
         """Checks that the fields accept the values that vary.
 
-        Args:
-            behaviors: Entries of the user's own behaviors; None does not check the
-                fields that may be theirs.
-
-        Raises:
-            ScenarioError: Naming the first field that does not.
+        Without the user's ``behaviors``, fields that may be theirs are not checked.
         """
         if behaviors is not None:
             self.scenario.controller_config(behaviors)

@@ -1,16 +1,14 @@
-"""Runs a trial in a child process, whatever the trial does to the process.
+"""Runs trials in child processes, whatever a trial does to its process.
 
-One machine and the workers of a cluster call the same function, ``run_trial``. Each
-thread that calls it keeps a pebble pool of one child, and the child keeps the
-simulations that it has built. A child of its own for each thread means that no child
-can die with a lock that another one waits for.
+One machine and the workers of a cluster use the same ``Child``: a pebble pool of one
+process, which keeps the simulations that it has built. As no two children share a pool,
+none can die with a lock that another one waits for.
 """
 
 from __future__ import annotations
 
 import faulthandler
 import functools
-import json
 import multiprocessing
 import os
 import pickle
@@ -27,19 +25,25 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
+from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.plan import Record, Trial
+from atlas_drake.campaigns.plan import Trial
+from atlas_drake.campaigns.results import as_line
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.config import as_plain, checked
 
 STARTS = 2
-"""When so many children die in a trial, the trial is the cause."""
+"""When so many processes die in a trial, the trial is the cause."""
 GRACE = 0.5
 """Time after the limit for the child to write where it is [s]."""
+
+Submit = Callable[[Trial], Future[bytes]]
+"""Starts a trial elsewhere; the result is the line of its record."""
 
 
 @dataclass(frozen=True)
@@ -62,159 +66,135 @@ class Work:
         return cls(pickle.dumps(as_plain(campaign)), campaign.trial_timeout)
 
 
-Submit = Callable[[Work, Trial], Future[bytes]]
-"""Starts a trial elsewhere, which becomes the line of its record."""
-
-
-def as_line(record: Record) -> bytes:
-    """Returns a record as JSON, with ``?`` for what no file can hold."""
-    text = json.dumps(record, ensure_ascii=False, default=str)
-    return text.encode(errors="replace")
-
-
 # ---- in the parent -----------------------------------------------------------
 
 
-class _OneChild(SpawnContext):
-    """A context of one process: a pool ends with its child, however the child ends.
+class _OneProcess(SpawnContext):
+    """A context of one process, with which a pool ends when its process does.
 
-    Of itself pebble replaces a child, and after an ``os._exit(0)`` waits for ever.
+    Of itself pebble replaces the process, and after an ``os._exit(0)`` waits for ever.
     """
 
-    child: Any = None
+    process: Any = None
 
     def Process(self, *given: Any, **named: Any) -> Any:  # type: ignore[override]
         """Makes the process, once."""
-        if self.child is not None:
-            raise OSError("the child has ended")
-        self.child = super().Process(*given, **named)
-        return self.child
+        if self.process is not None:
+            raise OSError("the process has ended")
+        self.process = super().Process(*given, **named)
+        return self.process
 
 
-class _Child:
-    """A child process that runs the trials of one campaign."""
+class _Pool(ProcessPool):
+    """A pool of one process, and the file for where the process was when it failed."""
 
-    def __init__(self, work: Work) -> None:
-        from pebble import ProcessPool  # Of the extra `sweep`.
-
-        self.work = work
-        self._context = _OneChild()
+    def __init__(self) -> None:
         # The child removes the file: even if both are killed, nothing remains.
         number, path = tempfile.mkstemp(prefix="atlas_drake_")
-        self._trace = os.fdopen(number, errors="replace")
-        self._pool = ProcessPool(
-            1, initializer=_begin, initargs=[path], context=self._context
-        )
+        self.trace = os.fdopen(number, errors="replace")
+        self.context = _OneProcess()
+        super().__init__(1, initializer=_begin, initargs=[path], context=self.context)
+
+    def end(self) -> str:
+        """Ends the process, whatever it does; returns where it was if it failed."""
+        self.stop()
+        self.join()
+        with self.trace:
+            return self.trace.read()
+
+
+class Child:
+    """A child process that runs the trials of a campaign; a dead one is replaced."""
+
+    def __init__(self, work: Work) -> None:
+        """Starts no process yet."""
+        self.work = work
+        self._lock = threading.Lock()
+        self._pool: _Pool | None = None
         self._running: Any = None
+        self._ended = False
 
     def run(self, trial: Trial) -> bytes:
-        """Returns the line of the trial's record.
+        """Runs a trial; returns the line of its record."""
+        limit, why = self.work.limit, ""
+        for _ in range(STARTS):
+            pool = self._start(trial)
+            try:
+                line: bytes = self._running.result()
+            except TimeoutError:
+                why = f"{self._bury()}took longer than {limit:g} s"
+                break
+            except (ProcessExpired, BrokenProcessPool):
+                code = pool.context.process.exitcode
+                why = f"{self._bury()}the process died ({code})"
+            else:
+                return line
+        return as_line(trial.record(error=why))
 
-        Raises:
-            TimeoutError: If the trial took too long.
-            ProcessExpired, BrokenProcessPool: If the child died.
-            CancelledError: If ``stop`` was called.
-        """
-        limit = self.work.limit
-        self._running = self._pool.schedule(
-            _call, args=[self.work, trial], timeout=limit + GRACE if limit else None
-        )
-        line: bytes = self._running.result()
-        return line
+    def _start(self, trial: Trial) -> _Pool:
+        limit = self.work.limit + GRACE if self.work.limit else None
+        with self._lock:
+            if self._ended:
+                raise CancelledError
+            if self._pool is not None and not self._pool.active:  # Killed while idle.
+                self._pool.end()
+                self._pool = None
+            self._pool = self._pool or _Pool()
+            self._running = self._pool.schedule(_call, (self.work, trial), {}, limit)
+            return self._pool
 
-    def stop(self) -> str:
-        """Ends the process, whatever it does; returns where it was if it had failed."""
+    def _bury(self) -> str:
+        with self._lock:
+            pool, self._pool = self._pool, None
+        return pool.end() if pool is not None else ""
+
+    def end(self) -> None:
+        """Ends the process, whatever it does, for good."""
+        with self._lock:
+            self._ended = True
         if self._running is not None:
             self._running.cancel()
-        self._pool.stop()
-        self._pool.join()
-        with self._trace:
-            return self._trace.read()
-
-    @property
-    def exit_code(self) -> int | None:
-        """Exit status of the process, or minus the number of the signal."""
-        code: int | None = self._context.child.exitcode
-        return code
-
-
-_children: dict[threading.Thread, _Child] | None = {}
-"""The child of each thread that calls ``run_trial``; None while they are ended."""
-_lock = threading.Lock()
-"""Guards ``_children``."""
-
-
-def run_trial(work: Work, trial: Trial) -> bytes:
-    """Runs a trial in the child of this thread; returns the line of its record."""
-    from pebble import ProcessExpired
-
-    why = ""
-    for _ in range(STARTS):
-        child = _child_for(work)
-        try:
-            return child.run(trial)
-        except TimeoutError:
-            why = f"{_bury(child)}took longer than {work.limit:g} s"
-            break
-        except (ProcessExpired, BrokenProcessPool):
-            why = f"{_bury(child)}the process died ({child.exit_code})"
-    return as_line(trial.record(error=why))
-
-
-def _child_for(work: Work) -> _Child:
-    """Returns the child of this thread, or a new one for another campaign."""
-    thread, old = threading.current_thread(), None
-    with _lock:
-        if _children is None:
-            raise CancelledError
-        child = _children.get(thread)
-        if child is None or child.work != work:
-            old, child = child, _Child(work)
-            _children[thread] = child
-    if old is not None:
-        old.stop()
-    return child
-
-
-def _bury(child: _Child) -> str:
-    """Removes a dead child; returns where it was when it died."""
-    with _lock:
-        if _children is None:
-            raise CancelledError
-        del _children[threading.current_thread()]
-    return child.stop()
+        self._bury()
 
 
 @contextmanager
-def local_threads(jobs: int) -> Iterator[Submit]:
-    """Yields what runs trials on this machine; the children end with it."""
-    global _children  # noqa: PLW0603
+def local_children(work: Work, jobs: int) -> Iterator[Submit]:
+    """Yields what runs trials in so many children of this process."""
     # Ctrl-C reaches all processes of a terminal, but only the main one may act on it:
     # a child inherits the blocked signal of the thread that starts it. Starting the
     # tracker there would unblock it.
     resource_tracker.ensure_running()
     block = (signal.SIG_BLOCK, {signal.SIGINT})
     threads = ThreadPoolExecutor(jobs, "trial", signal.pthread_sigmask, block)
+    children = [Child(work) for _ in range(jobs)]
+    idle: SimpleQueue[Child] = SimpleQueue()
+    for child in children:
+        idle.put(child)
+
+    def run(trial: Trial) -> bytes:
+        child = idle.get()
+        try:
+            return child.run(trial)
+        finally:
+            idle.put(child)
+
     try:
-        yield lambda work, trial: threads.submit(run_trial, work, trial)
+        yield lambda trial: threads.submit(run, trial)
     finally:
-        with _lock:
-            children, _children = _children or {}, None
         threads.shutdown(wait=False, cancel_futures=True)
-        for child in children.values():
-            child.stop()
+        for child in children:
+            child.end()
         threads.shutdown()
-        _children = {}
 
 
 # ---- in the child ------------------------------------------------------------
 
 _trace: int
-"""File for where the child was when it crashed, or at its time limit."""
+"""File descriptor for where the process was when it crashed, or at its time limit."""
 
 
 def _begin(trace: str) -> None:
-    """Prepares the child."""
+    """Prepares the process."""
     global _trace  # noqa: PLW0603
     threading.Thread(target=_end_with_parent, daemon=True).start()
     threadpool_limits(1)

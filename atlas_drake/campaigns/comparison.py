@@ -25,10 +25,6 @@ def compare(first: Records, second: Records, names: tuple[str, str]) -> str:
     """Returns the differences of two campaigns as Markdown.
 
     Trials with the same number make a pair; trials without a partner are left out.
-
-    Raises:
-        ScenarioError: If there is no pair, the seeds of a pair differ, or a package of
-            the extra ``sweep`` is not installed.
     """
     check_packages()
     common = first.keys() & second.keys()

@@ -34,11 +34,7 @@ def is_distribution(value: object) -> bool:
 
 
 def check_distribution(value: object, path: str) -> dict[str, Any]:
-    """Returns a distribution with numbers of their declared type.
-
-    Raises:
-        ScenarioError: Naming the ``path``, if the value is not a distribution.
-    """
+    """Returns a distribution with numbers of their declared type."""
     if not isinstance(value, Mapping) or len(value) != 1:
         problem = "must be such as {uniform: [10, 60]}"
         raise ScenarioError.about(path, value, problem)

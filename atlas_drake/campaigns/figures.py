@@ -37,11 +37,7 @@ GOOD, BAD, QUIET = "#2a7f62", "#c0392b", "#5b6770"
 
 
 def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Path]:
-    """Draws every figure for which the results have numbers; returns their paths.
-
-    Raises:
-        OSError: If a figure cannot be written.
-    """
+    """Draws every figure for which the results have numbers; returns their paths."""
     frame = table_of(records)
     varied = frame.filter(regex=f"^{VALUES}").select_dtypes("number").dropna(axis=1)
     angles = [name for name in varied if name.endswith("direction")]

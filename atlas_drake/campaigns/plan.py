@@ -112,11 +112,7 @@ def make_trial(campaign: Campaign, number: int) -> Trial:
 
 
 def scenario_of(campaign: Campaign, trial: Trial) -> Scenario:
-    """Makes the scenario of a trial.
-
-    Raises:
-        ScenarioError: If a random value is not allowed.
-    """
+    """Makes the scenario of a trial."""
     values = {k: v for k, v in trial.values.items() if not k.startswith(PARAMETERS)}
     return with_values(campaign.scenario, {**values, "seed": trial.seed})
 
@@ -133,18 +129,14 @@ def parameters_of(campaign: Campaign, trial: Trial) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Found:
-    """The state of the search of one case.
-
-    Attributes:
-        case: Values of the case by path.
-        passed: Largest value under which enough trials succeeded.
-        failed: Smallest value under which they did not; None if there is none so far.
-        ended: True if the search is over.
-    """
+    """The state of the search of one case."""
 
     case: dict[str, Any]
+    """Values of the case by path."""
     passed: float
+    """Largest value under which enough trials succeeded."""
     failed: float | None
+    """Smallest value under which they did not; None if there is none so far."""
     ended: bool
 
 

@@ -46,7 +46,7 @@ def load_campaign(
     """
     raw = _mapping(path)
     try:
-        return campaign_from(raw, Path(path).parent, settings, overrides)
+        return _campaign(raw, Path(path).parent, list(settings), overrides or {})
     except ScenarioError as error:
         raise error.within(path) from None
 
@@ -71,30 +71,20 @@ def _mapping(path: str | Path) -> Mapping[str, Any]:
     return raw
 
 
-def campaign_from(
+def _campaign(
     raw: Mapping[str, Any],
     folder: Path,
-    settings: Iterable[str] = (),
-    overrides: Mapping[str, Any] | None = None,
+    settings: list[str],
+    overrides: Mapping[str, Any],
 ) -> Campaign:
-    """Makes a campaign from the fields of a YAML file.
-
-    Args:
-        raw: Fields as YAML reads them.
-        folder: Folder that the paths in them are relative to.
-        settings: As for ``load_campaign``.
-        overrides: As for ``load_campaign``.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
-    """
+    """Makes a campaign from the fields of a YAML file in a folder."""
     fields = dict(raw)
     scenario = _scenario(fields.pop("scenario", None), folder)
     beside = {name: fields.pop(name) for name in BESIDE if name in fields}
     drawn = _take_distributions(beside)
     if beside:
         scenario = scenario_from(beside, scenario)
-    scenario = with_values(scenario, overrides or {})
+    scenario = with_values(scenario, overrides)
     given = [text.partition("=") for text in settings]
     own = [parts for parts in given if _is_parameter(*parts)]
     others = ["".join(parts) for parts in given if parts not in own]
@@ -106,7 +96,7 @@ def campaign_from(
                 problem = "is drawn in pushes already"
                 raise ScenarioError(f"vary.{path}", fields[name][path], problem)
             fields[name] = {**fields[name], **more}
-    fixed = {path for path, *_ in given} | set(overrides or {})
+    fixed = {path for path, *_ in given} | overrides.keys()
     for name in ("vary", "cases"):
         if isinstance(fields.get(name), Mapping):
             varied = fields[name].items()

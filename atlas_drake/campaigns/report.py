@@ -35,11 +35,7 @@ LEVEL = 0.95
 
 
 def check_packages() -> None:
-    """Checks that every package of the extra is installed, without loading any.
-
-    Raises:
-        ScenarioError: Naming the packages that are missing.
-    """
+    """Checks that every package of the extra is installed, without loading any."""
     missing = ", ".join(name for name in PACKAGES if find_spec(name) is None)
     if missing:
         problem = f'{missing} not installed: pip install "atlas-drake[sweep]"'
@@ -47,16 +43,7 @@ def check_packages() -> None:
 
 
 def write_results(folder: Path) -> tuple[str, list[Path]]:
-    """Writes table, report and figures of the trials so far.
-
-    Returns:
-        The report, and the files that were written.
-
-    Raises:
-        ScenarioError: If the folder holds no campaign, or a package of the extra
-            ``sweep`` is not installed.
-        OSError: If a file cannot be written.
-    """
+    """Writes table, report and figures of the trials so far; returns text and files."""
     check_packages()
     campaign, records = read_campaign(folder), read_records(folder)
     frame, text = table_of(records), report(campaign, records)

@@ -28,11 +28,7 @@ FREE = ("name", "trials", "trial_timeout", "goal")
 
 
 def read_campaign(folder: Path) -> Campaign:
-    """Reads the campaign of a folder.
-
-    Raises:
-        ScenarioError: If the folder holds no campaign.
-    """
+    """Reads the campaign of a folder."""
     file = folder / CAMPAIGN
     try:
         fields = read_yaml(file.read_text(encoding="utf-8"))
@@ -47,11 +43,7 @@ def read_campaign(folder: Path) -> Campaign:
 
 
 def read_records(folder: Path) -> Records:
-    """Reads the records of a folder, also while a campaign writes them.
-
-    Raises:
-        ScenarioError: If a line is not a record.
-    """
+    """Reads the records of a folder, also while a campaign writes them."""
     file = folder / TRIALS
     text = file.read_bytes() if file.exists() else b""
     records = {}
@@ -74,12 +66,7 @@ class Results:
     """
 
     def __init__(self, folder: Path, campaign: Campaign) -> None:
-        """Makes the folder, or continues one of the same campaign.
-
-        Raises:
-            ScenarioError: If it belongs to another campaign or another program.
-            OSError: If it cannot be written.
-        """
+        """Makes the folder, or refuses one of another campaign or another program."""
         folder.mkdir(parents=True, exist_ok=True)
         # Unbuffered: after an error nothing waits to be written.
         self._file: Any = (folder / TRIALS).open("ab", buffering=0)
@@ -103,11 +90,7 @@ class Results:
         self._file.close()
 
     def add(self, line: bytes) -> Record:
-        """Writes the line of a trial's record, and returns the record.
-
-        Raises:
-            OSError: If it cannot be written; the lines before it stay.
-        """
+        """Writes the line of a trial's record, and returns the record."""
         rest = line + b"\n"
         while rest:
             rest = rest[self._file.write(rest) :]
@@ -143,6 +126,12 @@ def _compared(campaign: dict[str, Any]) -> dict[str, Any]:
     """Returns the values by path that decide about results; of files their names."""
     fields = {name: campaign[name] for name in campaign if name not in FREE}
     return flat(fields | {"code": [Path(file).name for file in campaign["code"]]})
+
+
+def as_line(record: Record) -> bytes:
+    """Returns a record as JSON, with ``?`` for what no file can hold."""
+    text = json.dumps(record, ensure_ascii=False, default=str)
+    return text.encode(errors="replace")
 
 
 def same_result(record: Record) -> Record:

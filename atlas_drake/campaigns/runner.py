@@ -5,18 +5,28 @@ Results do not depend on the number of processes or machines.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+import multiprocessing
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import as_completed
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.children import Work, local_threads
-from atlas_drake.campaigns.cluster import cluster_workers
-from atlas_drake.campaigns.plan import Record, Records, missing_trials
+from atlas_drake.campaigns.plan import Record, Records, Trial, missing_trials
 from atlas_drake.campaigns.report import check_packages
 from atlas_drake.campaigns.results import Results
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import AtlasError, ScenarioError
+
+if TYPE_CHECKING:
+    from atlas_drake.campaigns.children import Submit, Work
+
+CONNECT_WITHIN = 10.0
+"""Time for the scheduler of a cluster to answer [s]."""
 
 
 def run_campaign(
@@ -52,14 +62,15 @@ def run_campaign(
     if jobs < 1:
         raise ScenarioError.about("--jobs", jobs, "must be 1 or more")
     check_packages()
+    from atlas_drake.campaigns.children import Work, local_children
+
     TrialRunner(campaign)  # Finds every function, or names one that is missing.
-    workers = local_threads(jobs)
+    workers = local_children(Work.of(campaign), jobs)
     if cluster is not None:
-        workers = cluster_workers(cluster, campaign)
-    work = Work.of(campaign)
+        workers = _cluster_workers(cluster, Work.of(campaign), campaign.code)
     with Results(Path(out), campaign) as results, workers as submit:
         while missing := missing_trials(campaign, results.records):
-            futures = [submit(work, trial) for trial in missing]
+            futures = [submit(trial) for trial in missing]
             total = len(results.records) + len(missing)
             for future in as_completed(futures):
                 try:
@@ -75,3 +86,52 @@ def run_campaign(
                 if on_trial is not None:
                     on_trial(record, len(results.records), total)
     return results.records
+
+
+@contextmanager
+def _cluster_workers(address: str, work: Work, code: list[str]) -> Iterator[Submit]:
+    """Yields what runs trials on the workers of a Dask cluster.
+
+    Dask gives the trials of a worker or a machine that is lost to others.
+    """
+    try:
+        from distributed import Client  # Takes a second to load.
+    except ImportError:
+        problem = 'needs Dask: pip install "atlas-drake[cluster]"'
+        raise ScenarioError("--cluster", address, problem) from None
+    try:
+        client = Client(address, timeout=CONNECT_WITHIN, set_as_default=False)
+    except (OSError, ValueError) as error:
+        problem = f"no Dask scheduler at {address}: {error}"
+        raise ScenarioError("--cluster", address, problem) from error
+    with client:
+        for file in code:
+            client.upload_file(file, load=False)
+        executor = client.get_executor(pure=False)
+        try:
+            yield functools.partial(executor.submit, run_on_worker, work)
+        finally:
+            executor.shutdown(wait=False)
+
+
+_own = threading.local()
+"""In each thread of a worker: its ``child``."""
+
+
+def run_on_worker(work: Work, trial: Trial) -> bytes:
+    """Runs a trial in a child of this worker, so that no trial ends the worker."""
+    from distributed import get_worker
+
+    from atlas_drake.campaigns.children import Child
+
+    worker = get_worker()
+    if multiprocessing.current_process().daemon:
+        problem = "may have no child processes: start the workers with --no-nanny"
+        raise ScenarioError("--cluster", worker.address, problem)
+    work = replace(work, folder=worker.local_directory)
+    child: Child | None = getattr(_own, "child", None)
+    if child is None or child.work != work:
+        if child is not None:
+            child.end()
+        child = _own.child = Child(work)
+    return child.run(trial)

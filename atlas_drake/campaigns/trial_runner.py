@@ -41,12 +41,7 @@ class TrialRunner:
     """Runs the trials of one campaign, and keeps the simulations it has built."""
 
     def __init__(self, campaign: Campaign) -> None:
-        """Runs the files of the campaign, and finds the functions that it names.
-
-        Raises:
-            ScenarioError: If there is no such function, or a file fails, or the
-                controller lacks a field that the campaign sets.
-        """
+        """Runs the files of the campaign, and finds the functions that it names."""
         names: dict[str, Any] = {}
         for file in campaign.code:
             if not Path(file).is_file():
@@ -152,11 +147,7 @@ class TrialRunner:
 def _function(
     name: str, path: str, shipped: Mapping[str, Any], own: Mapping[str, Any]
 ) -> Callable[..., Any]:
-    """Finds a shipped function, one of the user's own, or ``module:function``.
-
-    Raises:
-        ScenarioError: Naming the field at ``path``, if there is no such function.
-    """
+    """Finds a shipped function, one of the user's own, or ``module:function``."""
     found = {**shipped, **own}.get(name)
     if ":" in name:
         module, _, attribute = name.partition(":")
@@ -172,11 +163,7 @@ def _function(
 
 
 def _plain(given: object, name: str) -> Figures:
-    """Converts figures to plain values, and infinity and NaN to None.
-
-    Raises:
-        TypeError: If a user's function returns anything but figures.
-    """
+    """Converts figures to plain values, and infinity and NaN to None."""
     if given is None:
         return {}
     if not isinstance(given, Mapping):

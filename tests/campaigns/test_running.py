@@ -7,11 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 
 import pytest
 
 from atlas_drake.app.main import main
 from atlas_drake.campaigns import load_campaign, run_campaign
+from atlas_drake.campaigns.children import Child, Work
+from atlas_drake.campaigns.plan import make_trial
 from atlas_drake.campaigns.results import read_records, same_result
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
@@ -159,6 +162,22 @@ def test_a_trial_that_fails_in_any_way_is_a_line_of_its_own(
 
 
 @pytest.mark.slow
+def test_a_child_that_is_killed_while_it_waits_is_replaced(campaign_file):
+    more = "trial: fail\nparameters: {how: well}\n"
+    campaign = load_campaign(campaign_file(more, FAILURES))
+    child, pids = Child(Work.of(campaign)), []
+    for number, pause in enumerate((0.0, 0.5, 0.0)):
+        found = json.loads(child.run(make_trial(campaign, number)))
+        pids.append(found["figures"]["pid"])
+        os.kill(pids[-1], signal.SIGKILL)
+        time.sleep(pause)
+    assert len(set(pids)) == 3
+    child.end()
+    with pytest.raises(CancelledError):
+        child.run(make_trial(campaign, 3))
+
+
+@pytest.mark.slow
 def test_a_full_disk_ends_with_one_sentence(campaign_file, tmp_path):
     out, file = tmp_path / "out", campaign_file("trials: 12\n")
 
@@ -291,7 +310,7 @@ def test_a_campaign_runs_resumes_and_shows_one_trial(campaign_file, tmp_path, ca
 def test_arguments_of_sweep_that_cannot_be_used_exit_with_2(
     arguments, field, campaign_file, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr("atlas_drake.campaigns.cluster.CONNECT_WITHIN", 0.5)
+    monkeypatch.setattr("atlas_drake.campaigns.runner.CONNECT_WITHIN", 0.5)
     out = ["--out", str(tmp_path / "out")]
     assert main(["sweep", str(campaign_file()), *out, *arguments]) == 2
     assert field in capsys.readouterr().err
