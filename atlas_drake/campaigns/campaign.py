@@ -108,7 +108,7 @@ class Campaign(CheckedOnce):
     cases: dict[str, list[Any]] = field(default_factory=dict)
     """Values by path; every combination runs with the same seeds."""
     metrics: list[str] = field(default_factory=lambda: list(METRICS_BY_DEFAULT))
-    """Functions that measure a trial: names of ``metrics.METRICS``, or a user's
+    """Functions that measure a trial: names of ``shipped.METRICS``, or a user's
     functions (sim) -> figures, named as in ``trial``."""
     success: list[str] = field(default_factory=lambda: ["success"])
     """Conditions on the figures, all of which must hold: ``NAME``, or such as

@@ -130,7 +130,7 @@ def _draw_thresholds(
     assert campaign.threshold is not None
     lines: dict[str, list[tuple[float, float]]] = {}
     for index in range(len(case_list(campaign))):
-        found = Search(campaign, index).found(records)
+        found = Search(campaign, index, records)
         others = {k: v for k, v in found.case.items() if k != path}
         point = (float(found.case[path]), found.passed)
         lines.setdefault(case_label(others), []).append(point)

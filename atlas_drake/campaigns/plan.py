@@ -74,8 +74,9 @@ def missing_trials(campaign: Campaign, records: Records) -> list[Trial]:
     """Returns the next trials: all that are missing, or a round of the searches."""
     count = number_of_trials(campaign)
     if count is None:
-        searches = [Search(campaign, case) for case in range(len(case_list(campaign)))]
-        return [trial for search in searches for trial in search.next_trials(records)]
+        cases = range(len(case_list(campaign)))
+        searches = [Search(campaign, case, records) for case in cases]
+        return [trial for search in searches for trial in search.next_trials]
     return [make_trial(campaign, n) for n in range(count) if n not in records]
 
 
@@ -127,84 +128,41 @@ def parameters_of(campaign: Campaign, trial: Trial) -> dict[str, Any]:
     return {**campaign.parameters, **drawn}
 
 
-@dataclass(frozen=True)
-class Found:
-    """The state of the search of one case."""
-
-    case: dict[str, Any]
-    """Values of the case by path."""
-    passed: float
-    """Largest value under which enough trials succeeded."""
-    failed: float | None
-    """Smallest value under which they did not; None if there is none so far."""
-    ended: bool
-
-
 class Search:
-    """The search for the threshold of one case."""
+    """The search for the threshold of one case, as far as the records go.
 
-    def __init__(self, campaign: Campaign, case: int) -> None:
-        """Searches in the case with this number."""
-        assert campaign.threshold is not None
-        self._campaign, self._case = campaign, case
-        self._threshold = campaign.threshold
-        self._cases = case_list(campaign)
+    Attributes:
+        case: Values of the case by path.
+        passed: Largest value under which enough trials succeeded.
+        failed: Smallest value under which they did not; None if there is none so far.
+        next_trials: Trials to run next; empty when the search is over.
+    """
 
-    def next_trials(self, records: Records) -> list[Trial]:
-        """Returns the trials to run next; empty when the search is over.
-
-        The first round has as many replicas as must succeed; a second round has the
-        others, if the first does not decide.
-        """
-        level = self._state(records)[2]
-        if level is None:
-            return []
-        numbers = self._numbers(level)
-        for needed in (numbers[: self._threshold.passes], numbers):
-            missing = [number for number in needed if number not in records]
-            if missing:
-                break
-        return [make_trial(self._campaign, number) for number in missing]
-
-    def found(self, records: Records) -> Found:
-        """Returns the state of the search after these records."""
-        passed, failed, level = self._state(records)
-        upper = None if failed is None else self._threshold.value(failed)
-        lower = self._threshold.value(passed)
-        return Found(self._cases[self._case], lower, upper, level is None)
-
-    def _state(self, records: Records) -> tuple[int, int | None, int | None]:
-        """Returns the levels passed and failed, and the level to try next."""
-        passed, failed = 0, None
-        while True:
-            above = self._threshold.levels + 1 if failed is None else failed
-            if above - passed <= 1:
-                return passed, failed, None
-            if self._threshold.search == "climb":
-                level = passed + 1
-            else:
-                level = (passed + above) // 2
-            verdict = self._verdict(level, records)
-            if verdict is None:
-                return passed, failed, level
-            if verdict:
+    def __init__(self, campaign: Campaign, case: int, records: Records) -> None:
+        """Goes through the levels in the order of the search."""
+        threshold, cases = campaign.threshold, case_list(campaign)
+        assert threshold is not None
+        self.case, top = cases[case], threshold.levels + 1
+        passed, failed = 0, top
+        asked: list[int] = []
+        while failed - passed > 1 and not asked:
+            climb = threshold.search == "climb"
+            level = passed + 1 if climb else (passed + failed) // 2
+            first = level * threshold.replicas
+            # See make_trial.
+            numbers = [
+                (first + r) * len(cases) + case for r in range(threshold.replicas)
+            ]
+            done = [bool(records[n]["success"]) for n in numbers if n in records]
+            if sum(done) >= threshold.passes:
                 passed = level
-            else:
+            elif len(done) - sum(done) > threshold.replicas - threshold.passes:
                 failed = level
-
-    def _verdict(self, level: int, records: Records) -> bool | None:
-        """Returns whether a level passes; None if missing trials still decide."""
-        threshold = self._threshold
-        done = [records[n] for n in self._numbers(level) if n in records]
-        passes = sum(bool(record["success"]) for record in done)
-        if passes >= threshold.passes:
-            return True
-        if len(done) - passes > threshold.replicas - threshold.passes:
-            return False
-        return None
-
-    def _numbers(self, level: int) -> list[int]:
-        """Returns the numbers of the trials of a level, see ``make_trial``."""
-        replicas, cases = self._threshold.replicas, len(self._cases)
-        first = level * replicas
-        return [(first + r) * cases + self._case for r in range(replicas)]
+            else:
+                # As many replicas as must succeed, and the others if these differ.
+                missing = [n for n in numbers if n not in records]
+                few = numbers[: threshold.passes]
+                asked = [n for n in missing if n in few] or missing
+        self.passed = threshold.value(passed)
+        self.failed = None if failed == top else threshold.value(failed)
+        self.next_trials = [make_trial(campaign, number) for number in asked]

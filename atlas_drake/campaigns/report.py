@@ -199,8 +199,8 @@ def _thresholds(campaign: Campaign, records: Records) -> str:
     assert campaign.threshold is not None
     table = []
     for index in range(len(case_list(campaign))):
-        found = Search(campaign, index).found(records)
-        passed = f"{found.passed:g}" + ("" if found.ended else " so far")
+        found = Search(campaign, index, records)
+        passed = f"{found.passed:g}" + (" so far" if found.next_trials else "")
         failed = "nothing tried" if found.failed is None else f"{found.failed:g}"
         table.append([case_label(found.case), passed, failed])
     head = [campaign.threshold.of, "highest passed", "lowest failed"]

@@ -149,9 +149,7 @@ def test_a_threshold_is_found_from_either_side(search, bears, passed, failed):
         assert records.keys() - half.keys() <= {
             trial.number for trial in missing_trials(campaign, half)
         }
-    strong, weak = (Search(campaign, case).found(records) for case in (0, 1))
-    assert strong.ended
-    assert weak.ended
+    strong, weak = (Search(campaign, case, records) for case in (0, 1))
     assert (strong.passed, strong.failed) == (passed, failed)
     assert (weak.passed, weak.failed) == (0.0, 10.0)
     assert weak.case == {"parameters.weak": True}
