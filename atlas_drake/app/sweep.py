@@ -57,7 +57,10 @@ def sweep(options: argparse.Namespace) -> int:
         if getattr(options, name):
             raise ScenarioError(f"--{name}", True, "is for one trial: name it, --only")
     progress = TrialProgress(sys.stdout)
-    again = f"the same command goes on from there, `atlas-drake results {out}` reports"
+    again = (
+        "the same command goes on from there, and "
+        f"`atlas-drake results {out}` shows what there is"
+    )
     try:
         with progress:
             records = run_campaign(

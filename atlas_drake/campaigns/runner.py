@@ -6,6 +6,7 @@ Results do not depend on the number of processes or machines.
 from __future__ import annotations
 
 import functools
+import logging
 import multiprocessing
 import threading
 from collections.abc import Callable, Iterator
@@ -80,7 +81,7 @@ def run_campaign(
                 except Exception as error:
                     if cluster is None:
                         raise
-                    problem = f"{error!r}; the same command goes on from there"
+                    problem = f"failed: {error!r}; the same command goes on from there"
                     raise ScenarioError("--cluster", cluster, problem) from error
                 record = results.add(line)
                 if on_trial is not None:
@@ -99,6 +100,8 @@ def _cluster_workers(address: str, work: Work, code: list[str]) -> Iterator[Subm
     except ImportError:
         problem = 'needs Dask: pip install "atlas-drake[cluster]"'
         raise ScenarioError("--cluster", address, problem) from None
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # An error is raised.
     try:
         client = Client(address, timeout=CONNECT_WITHIN, set_as_default=False)
     except (OSError, ValueError) as error:
