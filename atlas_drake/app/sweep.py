@@ -78,7 +78,7 @@ def sweep(options: argparse.Namespace) -> int:
         progress.say(f"Stopped with {done} trials done; {again}.")
         return exit_status.INTERRUPTED
     except OSError as error:
-        progress.say(f"! {out} cannot be written: {error.strerror}; {again}.")
+        progress.say(f"! {out} cannot be written: {error.strerror or error}; {again}.")
         return exit_status.FAILED
     raised = [number for number, record in sorted(records.items()) if record["error"]]
     if raised:

@@ -42,7 +42,7 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
         "--jobs",
         type=int,
         metavar="J",
-        help="child processes at a time (default: as many as there are cores)",
+        help="child processes at a time here (default: as many as there are cores)",
     )
     where.add_argument(
         "--out",

@@ -22,7 +22,6 @@ from atlas_drake.logs.failure_modes import NONE, FailureWatch
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.planning.step_stream import StepStream
-from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
@@ -190,24 +189,16 @@ def ticks(sim: AtlasSimulation) -> Figures:
     }
 
 
-class FirstFailure:
+class FirstFailure(FailureWatch):
     """What failed first in a run, before a fall if there was one.
 
     Failures that follow each other within half a second belong together; the figures
     are those of the first one of the last group.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        """Watches a run from its start."""
-        self._watch = FailureWatch(robot)
-
-    def update(self, record: TickRecord) -> None:
-        """Takes the next record."""
-        self._watch.update(record)
-
     def result(self, sim: AtlasSimulation) -> Figures:
         """Returns kind, place and time of the failure."""
-        first = self._watch.first
+        first = self.first
         return {
             FIRST_FAILURE: NONE if first is None else first.kind,
             FIRST_FAILURE_AT: None if first is None else first.place or None,
