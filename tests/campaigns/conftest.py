@@ -4,7 +4,7 @@ import textwrap
 
 import pytest
 
-from atlas_drake.campaigns import load_campaign
+from atlas_drake.campaigns import figures, load_campaign
 
 TINY = """
 name: tiny
@@ -16,6 +16,11 @@ pushes:
     direction: {uniform: [-3.14, 3.14]}
 metrics: [success, tilt, energy]
 """
+
+
+@pytest.fixture(autouse=True)
+def _small_figures(monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from atlas_drake import PlannedPush, Scenario, ScenarioError
-from atlas_drake.campaigns import Campaign, Threshold, figures
+from atlas_drake.campaigns import Campaign, Threshold
 from atlas_drake.campaigns.children import as_line
 from atlas_drake.campaigns.comparison import compare, mcnemar, mean_interval
 from atlas_drake.campaigns.plan import (
@@ -21,11 +21,6 @@ from atlas_drake.campaigns.plan import (
 )
 from atlas_drake.campaigns.report import report, share_interval, write_results
 from atlas_drake.campaigns.results import Results, read_campaign, read_records
-
-
-@pytest.fixture(autouse=True)
-def _small_figures(monkeypatch):
-    monkeypatch.setattr(figures, "DPI", 20)
 
 
 def record(number, success=True, seed=None, values=None, **found):
