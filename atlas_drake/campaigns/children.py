@@ -12,6 +12,7 @@ import functools
 import multiprocessing
 import os
 import pickle
+import secrets
 import signal
 import tempfile
 import threading
@@ -53,17 +54,20 @@ class Work:
     Attributes:
         campaign: The campaign's fields, pickled: Drake's configurations cannot be.
         limit: Wall time after which a trial is ended and has failed [s]; 0 for none.
+        run: Name of the run: in the next one the user's files may have changed.
         folder: Folder of the campaign's ``code``; None if the files have its paths.
     """
 
     campaign: bytes
     limit: float
+    run: str
     folder: str | None = None
 
     @classmethod
     def of(cls, campaign: Campaign) -> Work:
         """Packs a campaign."""
-        return cls(pickle.dumps(as_plain(campaign)), campaign.trial_timeout)
+        fields = pickle.dumps(as_plain(campaign))
+        return cls(fields, campaign.trial_timeout, secrets.token_hex(8))
 
 
 # ---- in the parent -----------------------------------------------------------

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from atlas_drake.campaigns.plan import Records
-from atlas_drake.campaigns.report import (
+from atlas_drake.campaigns.report import markdown, share_text
+from atlas_drake.campaigns.table import (
     FIGURES,
-    LEVEL,
     check_packages,
-    markdown,
+    mcnemar,
+    mean_interval,
     numeric_figures,
-    share_text,
     table_of,
 )
 from atlas_drake.errors import ScenarioError
@@ -74,25 +73,3 @@ def _figures(one: pd.DataFrame, other: pd.DataFrame, names: tuple[str, str]) -> 
         table.append([name.removeprefix(FIGURES), *means, paired])
     head = ["mean of", *names, "paired difference, with its interval of 95 %"]
     return markdown(head, table)
-
-
-def mcnemar(only_first: int, only_second: int) -> float:
-    """Returns McNemar's exact two-sided p-value that two success rates are equal.
-
-    The arguments are the numbers of pairs of which only one succeeded.
-    """
-    from scipy.stats import binomtest
-
-    discordant = only_first + only_second
-    return float(binomtest(only_first, discordant).pvalue) if discordant else 1.0
-
-
-def mean_interval(values: Sequence[float]) -> tuple[float, float] | None:
-    """Returns Student's t interval of a mean; None for fewer than two values."""
-    from scipy.stats import sem, t
-
-    if len(values) < 2:
-        return None
-    mean = sum(values) / len(values)
-    half = t.ppf(0.5 + 0.5 * LEVEL, len(values) - 1) * sem(values)
-    return float(mean - half), float(mean + half)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import Records, Search, case_list
-from atlas_drake.campaigns.report import (
+from atlas_drake.campaigns.table import (
     FIGURES,
     VALUES,
     case_label,

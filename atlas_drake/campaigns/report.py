@@ -5,41 +5,35 @@ Markdown with the figures in it; the Parquet table has one row for each trial.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from importlib.util import find_spec
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from atlas_drake.atomic_write import atomic_write
 from atlas_drake.campaigns.campaign import Campaign, figure_of
 from atlas_drake.campaigns.plan import Records, Search, case_list
 from atlas_drake.campaigns.results import read_campaign, read_records
 from atlas_drake.campaigns.shipped import FIRST_FAILURE, FIRST_FAILURE_AT
-from atlas_drake.errors import ScenarioError
+from atlas_drake.campaigns.table import (
+    FIGURES,
+    VALUES,
+    case_label,
+    check_packages,
+    label,
+    numeric_figures,
+    share_interval,
+    table_of,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
-PACKAGES = ("matplotlib", "pandas", "pebble", "pyarrow", "scipy")
-"""Packages of the extra ``sweep``; those for tables and statistics load when used."""
 REPORT, TABLE = "report.md", "results.parquet"
 """Names in a campaign's folder."""
-VALUES, FIGURES = "values.", "figures."
-"""Prefixes of the table's columns of values that vary, and of figures."""
 SHOWN_ERRORS, SHOWN_FAILURES = 3, 20
 """Largest numbers of different errors and of failed trials in a report."""
 SHOWN_CASES = 12
 """Largest number of cases of which first failures are shown one by one."""
-LEVEL = 0.95
-"""Confidence level of every interval [-]."""
-
-
-def check_packages() -> None:
-    """Checks that every package of the extra is installed, without loading any."""
-    missing = ", ".join(name for name in PACKAGES if find_spec(name) is None)
-    if missing:
-        problem = f'{missing} not installed: pip install "atlas-drake[sweep]"'
-        raise ScenarioError("packages", missing, problem)
 
 
 def write_results(folder: Path) -> tuple[str, list[Path]]:
@@ -64,25 +58,6 @@ def write_results(folder: Path) -> tuple[str, list[Path]]:
     return text, [folder / TABLE, folder / REPORT, *pages]
 
 
-def table_of(records: Records) -> pd.DataFrame:
-    """Returns the table of the trials, in the order of their numbers.
-
-    Columns are those of a record, such as ``seed``, ``values.PATH``, ``figures.NAME``.
-    """
-    import pandas as pd
-
-    frame = pd.json_normalize([records[n] for n in sorted(records)], max_level=1)
-    if records:  # Tables of several campaigns fit together if seeds are of one type.
-        frame = frame.astype({"seed": "uint64"})
-    return frame.convert_dtypes()
-
-
-def numeric_figures(frame: pd.DataFrame) -> list[str]:
-    """Returns the columns of the figures that are numbers in every trial, or None."""
-    numbers = frame.select_dtypes("number")
-    return [name for name in numbers if name.startswith(FIGURES)]
-
-
 def report(campaign: Campaign, records: Records) -> str:
     """Returns the report as Markdown, without figures."""
     frame = table_of(records)
@@ -100,15 +75,6 @@ def report(campaign: Campaign, records: Records) -> str:
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
-def share_interval(successes: int, trials: int) -> tuple[float, float]:
-    """Returns Wilson's score interval of a probability, from 1 trial or more."""
-    # Scipy takes a second to load.
-    from scipy.stats import binomtest
-
-    interval = binomtest(successes, trials).proportion_ci(LEVEL, method="wilson")
-    return float(interval.low), float(interval.high)
-
-
 def share_text(successes: int, trials: int) -> str:
     """Returns a share with its interval, in percent."""
     low, high = share_interval(successes, trials)
@@ -120,16 +86,6 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Returns a table in Markdown; without rows, an empty text."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines[2:] and lines)
-
-
-def label(value: object) -> str:
-    """Returns a short text of a value, which may be a list or a mapping."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def case_label(case: Mapping[str, Any]) -> str:
-    """Returns the text of a case."""
-    return ", ".join(f"{path} = {label(v)}" for path, v in case.items()) or "all"
 
 
 def _successes(campaign: Campaign, frame: pd.DataFrame) -> str:

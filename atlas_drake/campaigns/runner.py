@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import Record, Records, Trial, missing_trials
-from atlas_drake.campaigns.report import check_packages
 from atlas_drake.campaigns.results import Results
+from atlas_drake.campaigns.table import check_packages
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import AtlasError, ScenarioError
 

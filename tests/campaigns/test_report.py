@@ -11,7 +11,7 @@ import pytest
 from atlas_drake import PlannedPush, Scenario, ScenarioError
 from atlas_drake.campaigns import Campaign, Threshold
 from atlas_drake.campaigns.children import as_line
-from atlas_drake.campaigns.comparison import compare, mcnemar, mean_interval
+from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.plan import (
     Search,
     Trial,
@@ -19,8 +19,9 @@ from atlas_drake.campaigns.plan import (
     make_trial,
     missing_trials,
 )
-from atlas_drake.campaigns.report import report, share_interval, write_results
+from atlas_drake.campaigns.report import report, write_results
 from atlas_drake.campaigns.results import Results, read_campaign, read_records
+from atlas_drake.campaigns.table import mcnemar, mean_interval, share_interval
 
 
 def record(number, success=True, seed=None, values=None, **found):
