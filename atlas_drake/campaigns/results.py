@@ -67,9 +67,13 @@ class Results:
 
     def __init__(self, folder: Path, campaign: Campaign) -> None:
         """Makes the folder, or refuses one of another campaign or another program."""
-        folder.mkdir(parents=True, exist_ok=True)
-        # Unbuffered: after an error nothing waits to be written.
-        self._file: Any = (folder / TRIALS).open("ab", buffering=0)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            # Unbuffered: after an error nothing waits to be written.
+            self._file: Any = (folder / TRIALS).open("ab", buffering=0)
+        except OSError as error:
+            problem = f"{folder} cannot be written: {error.strerror}"
+            raise ScenarioError("--out", str(folder), problem) from None
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             _keep(campaign, folder)

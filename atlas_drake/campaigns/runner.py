@@ -97,12 +97,14 @@ def _cluster_workers(address: str, work: Work, code: list[str]) -> Iterator[Subm
     """
     try:
         from distributed import Client  # Takes a second to load.
+        from distributed.comm import get_address_host_port
     except ImportError:
         problem = 'needs Dask: pip install "atlas-drake[cluster]"'
         raise ScenarioError("--cluster", address, problem) from None
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # An error is raised.
     try:
+        get_address_host_port(address, strict=True)  # The client would fail later.
         client = Client(address, timeout=CONNECT_WITHIN, set_as_default=False)
     except (OSError, ValueError) as error:
         problem = f"no Dask scheduler at {address}: {error}"

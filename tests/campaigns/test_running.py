@@ -316,6 +316,8 @@ def test_a_campaign_runs_resumes_and_shows_one_trial(campaign_file, tmp_path, ca
         (["--set", "jitter.mas=1"], "jitter.mas"),
         (["--with", "nothing.py"], "nothing.py"),
         (["--cluster", "tcp://127.0.0.1:1"], "--cluster"),
+        (["--cluster", "nonsense"], "--cluster"),
+        (["--out", "/dev/null/out"], "--out"),
     ],
 )
 def test_arguments_of_sweep_that_cannot_be_used_exit_with_2(
