@@ -44,7 +44,7 @@ def _resolved(path: Path) -> Path:
 
 
 @contextmanager
-def atomic_write(path: Path, unfinished_as: str = "") -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
     The content is on the disk before the file gets its name. The target of a link is
@@ -52,9 +52,6 @@ def atomic_write(path: Path, unfinished_as: str = "") -> Iterator[Path]:
 
     Args:
         path: The file.
-        unfinished_as: Part of the unfinished file's name, where one program writes at a
-            time: after a kill, the next call takes up the same unfinished file. Empty
-            for a name that no other call has.
 
     Raises:
         OSError: If the file cannot be made.
@@ -64,11 +61,10 @@ def atomic_write(path: Path, unfinished_as: str = "") -> Iterator[Path]:
         yield path
         return
     # Without the stem of the path, because the length of names is limited.
-    token = unfinished_as or secrets.token_hex(4)
+    token = secrets.token_hex(4)
     unfinished = path.with_name(f".{token}.unfinished{path.suffix}")
-    # Fails for a link, and unless the name is given, if it exists.
-    kind = os.O_NOFOLLOW | os.O_TRUNC if unfinished_as else os.O_EXCL
-    os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | kind, 0o666))
+    # Fails for a link, and if it exists.
+    os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     try:
         yield unfinished
         # Otherwise a power failure can leave the name with an empty file.

@@ -8,18 +8,20 @@ measured in one process, in turns as well.
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import statistics
 import sys
 import time
 from collections.abc import Callable, Iterable
+from concurrent.futures import as_completed
 from dataclasses import replace
 
 from contact_trials import DIRECTIONS, INCREMENT, PARTS, Trial, run_trial
 from disturbed import Physics, disturbed_simulation, fresh_seed, robots_at_hand
+from pebble import ProcessPool
 from realtime import PIECE, BarePlant
 from report import command_line, write_figures
 
-from atlas_drake.campaigns.processes import run_in_processes
 from atlas_drake.robot import available_robots, load_robot
 from atlas_drake.simulation.tutorial import DURATION
 
@@ -151,15 +153,18 @@ def compare(
         for seed in seeds
         for entry in physics
     ]
+    pool = ProcessPool(jobs, context=multiprocessing.get_context("spawn"))
     try:
-        for outcome in run_in_processes(run_trial, work, jobs):
-            trial = outcome.item
-            if outcome.error is None:
-                add(trial.physics.contact, outcome.result)
-                text = ", ".join(f"{k} {v:.4g}" for k, v in outcome.result.items())
+        futures = {pool.schedule(run_trial, args=[trial]): trial for trial in work}
+        for future in as_completed(futures):
+            trial = futures[future]
+            try:
+                values = future.result()
+            except Exception as error:  # Of the trial, or of pebble if it died.
+                values, text = {f"{trial.part} ok": 0.0}, repr(error)
             else:
-                add(trial.physics.contact, {f"{trial.part} ok": 0.0})
-                text = outcome.error
+                text = ", ".join(f"{k} {v:.4g}" for k, v in values.items())
+            add(trial.physics.contact, values)
             print(
                 f"{model} {trial.physics.contact:8} seed {trial.seed}  {text}",
                 flush=True,
@@ -171,6 +176,9 @@ def compare(
     except KeyboardInterrupt:
         print("Interrupted; what was done counts.")
         return figures, False
+    finally:
+        pool.stop()
+        pool.join()
     return figures, True
 
 

@@ -18,7 +18,6 @@ from disturbed import CAMPAIGNS, Physics, disturbed_simulation
 from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
 from atlas_drake.campaigns import load_campaign
 from atlas_drake.campaigns.plan import Trial as CampaignTrial
-from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.simulation.tutorial import DURATION
 
@@ -151,8 +150,8 @@ def judged(
     """
     campaign = load_campaign(CAMPAIGNS / f"{name}.yaml")
     campaign.parameters |= parameters or {}
-    trial_runner = TrialRunner(campaign, Sources(tuple(campaign.code)))
-    return trial_runner.judged(sim, CampaignTrial(0, sim.scenario.seed, {}))
+    trial = CampaignTrial(0, sim.scenario.seed, {})
+    return TrialRunner(campaign).judged(sim, trial)
 
 
 def _landing(part: str, record: dict) -> dict[str, float]:

@@ -39,7 +39,7 @@ BLOCK = re.compile(
     r"|(?<=\n\n)(?P<shell>(?: {4}[^\n]*\n)+))",
     re.DOTALL | re.MULTILINE,
 )
-SHELL = re.compile(r"(\w+=\S+ )?(\.venv/bin/)?(atlas-drake|make|pip|python|ray)\b")
+SHELL = re.compile(r"(\w+=\S+ )?(\.venv/bin/)?(atlas-drake|make|pip|python|dask)\b")
 SPAN = re.compile(r"(?<!`)`((?:\.venv/bin/)?(?:atlas-drake \w+|make) [^`]+)`")
 SHORTER = {
     "demo": ["--headless", "--set", "duration=0.1"],

@@ -26,7 +26,8 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
         "was. docs/campaigns.md explains the file; examples are in "
         "benchmarks/campaigns/.",
         epilog="exit status: 0 all trials are done, and the campaign's goal is met if "
-        f"it has one, 1 it is not (with --only: the trial failed), {status}",
+        "it has one, 1 it is not, or the folder cannot be written (with --only: the "
+        f"trial failed), {status}",
     )
     parser.add_argument("campaign", metavar="CAMPAIGN.yaml", type=Path)
     add_robot_options(parser)
@@ -41,7 +42,7 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
         "--jobs",
         type=int,
         metavar="J",
-        help="processes at a time (default: as many as there are cores)",
+        help="child processes at a time here (default: as many as there are cores)",
     )
     where.add_argument(
         "--out",
@@ -50,15 +51,10 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
         help="folder of the results (default: the campaign's name in results/)",
     )
     where.add_argument(
-        "--ray",
+        "--cluster",
         metavar="ADDRESS",
-        help="run on a Ray cluster, such as auto or HOST:6379; needs "
-        '`pip install "atlas-drake[ray]"`',
-    )
-    where.add_argument(
-        "--shard",
-        metavar="I/N",
-        help="only the I-th of N parts, for batch queues; `results` merges them",
+        help="run on the workers of a Dask scheduler, such as tcp://HOST:8786; needs "
+        '`pip install "atlas-drake[cluster]"`',
     )
     one = parser.add_argument_group("one trial alone")
     one.add_argument(
@@ -78,18 +74,11 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
         "results",
         help="tables and figures of a campaign, also while it runs",
         description="Write what a campaign's results amount to as they are now: a "
-        "table (results.parquet), a report with confidence intervals (report.md) and "
-        "figures. Results of shards are merged into DIR first.",
+        "table (results.parquet), and a report with confidence intervals and figures "
+        "(report.md).",
         epilog=f"exit status: 0 done, {status}",
     )
     parser.add_argument("folder", metavar="DIR", type=Path)
-    parser.add_argument(
-        "shards",
-        metavar="SHARD",
-        type=Path,
-        nargs="*",
-        help="folders to merge into DIR",
-    )
     parser.set_defaults(run="sweep.show_results", reads=())
 
     parser = commands.add_parser(

@@ -4,16 +4,12 @@ A single run is in ``simulation``; the fields of a scenario are in ``scenario``.
 """
 
 from atlas_drake.campaigns.campaign import Campaign, Threshold
-from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.campaigns.reading import campaign_from, load_campaign
-from atlas_drake.campaigns.runner import Shard, run_campaign
+from atlas_drake.campaigns.reading import load_campaign
+from atlas_drake.campaigns.runner import run_campaign
 
 __all__ = [
     "Campaign",
-    "CampaignError",
-    "Shard",
     "Threshold",
-    "campaign_from",
     "load_campaign",
     "run_campaign",
 ]

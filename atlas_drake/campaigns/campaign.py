@@ -1,20 +1,20 @@
-"""Campaigns as data: a scenario, the values that vary, and the metrics.
+"""Campaigns as data: a scenario, the values that vary, and the conditions of success.
 
 ``reading`` reads campaigns from YAML files.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import operator
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, MinLen
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.campaigns.conditions import check_conditions
 from atlas_drake.campaigns.distributions import check_distribution, example
-from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.config import (
     CheckedOnce,
     Configuration,
@@ -23,13 +23,26 @@ from atlas_drake.config import (
     Share,
     checked,
 )
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import Seed
 
 METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")
 PARAMETERS = "parameters."
 """Prefix of paths to parameters of the trial function; others are the scenario's."""
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf"
+_CONDITION = re.compile(
+    rf"\s*(?P<figure>[\w.\[\]]+)\s*"
+    rf"(?:(?P<comparison><=|>=|==|!=|<|>)\s*(?P<number>{_NUMBER})\s*)?"
+)
 
 
 @dataclass(frozen=True)
@@ -38,41 +51,39 @@ class Threshold(Configuration):
 
     of: Annotated[str, MinLen(1)]
     """Path of the value, such as ``pushes[0].impulse``."""
-    least: float = 0.0
+    min: float = 0.0
     """Smallest value; not tried, because success is assumed."""
-    most: float = 100.0
+    max: float = 100.0
     """Largest value tried."""
-    within: Positive = 10.0
-    """Step between the values tried, from ``least`` up."""
+    step: Positive = 10.0
+    """Step between the values tried, from ``min`` up."""
     replicas: Annotated[int, Ge(1)] = 5
     """Trials of each value; all values have the same seeds."""
     passes: Annotated[int, Ge(1)] = 4
     """Number of replicas that must succeed."""
     search: Literal["bisect", "climb"] = "bisect"
     """Order of the values: ``bisect`` halves the interval, ``climb`` goes up from
-    ``least`` until too many trials fail."""
+    ``min`` until too many trials fail."""
 
     def check(self) -> None:
         """Checks that there are values to try, and that replicas can pass."""
-        span = self.most - self.least
-        for name, good, wanted in (
-            ("most", span > 0.0, f"above least ({self.least:g})"),
-            ("within", self.levels >= 1, f"at most most - least ({span:g})"),
-            ("passes", self.passes <= self.replicas, "from 1 to replicas"),
-        ):
-            if not good:
-                value = getattr(self, name)
-                problem = f"is {shown(value)}; must be {wanted}"
-                raise CampaignError(name, value, problem)
+        if self.max <= self.min:
+            raise ScenarioError.about("max", self.max, f"must be above {self.min:g}")
+        if self.levels < 1:
+            problem = f"must be at most max - min ({self.max - self.min:g})"
+            raise ScenarioError.about("step", self.step, problem)
+        if self.passes > self.replicas:
+            problem = f"must be at most replicas ({self.replicas})"
+            raise ScenarioError.about("passes", self.passes, problem)
 
     @property
     def levels(self) -> int:
-        """Number of values on the grid above ``least``."""
-        return int((self.most - self.least) / self.within + 1e-9)
+        """Number of values on the grid above ``min``."""
+        return int((self.max - self.min) / self.step + 1e-9)
 
     def value(self, level: int) -> float:
-        """Returns the value at a level of the grid; level 0 is ``least``."""
-        return self.least + level * self.within
+        """Returns the value at a level of the grid; level 0 is ``min``."""
+        return self.min + level * self.step
 
 
 @dataclass(frozen=True)
@@ -97,7 +108,7 @@ class Campaign(CheckedOnce):
     cases: dict[str, list[Any]] = field(default_factory=dict)
     """Values by path; every combination runs with the same seeds."""
     metrics: list[str] = field(default_factory=lambda: list(METRICS_BY_DEFAULT))
-    """Functions that measure a trial: names of ``metrics.METRICS``, or a user's
+    """Functions that measure a trial: names of ``shipped.METRICS``, or a user's
     functions (sim) -> figures, named as in ``trial``."""
     success: list[str] = field(default_factory=lambda: ["success"])
     """Conditions on the figures, all of which must hold: ``NAME``, or such as
@@ -121,11 +132,7 @@ class Campaign(CheckedOnce):
     goal."""
 
     def validate(self) -> Campaign:
-        """Returns the campaign with every field checked except the names of functions.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the campaign, checked except for the names of functions."""
         if self.is_checked:
             return self
         valid: Campaign = checked(Campaign, self)
@@ -133,51 +140,65 @@ class Campaign(CheckedOnce):
 
     def check(self) -> None:
         """Checks the conditions, and that the fields accept the values that vary."""
-        check_conditions(self.success)
+        for index, text in enumerate(self.success):
+            if _CONDITION.fullmatch(text) is None:
+                problem = "must be such as walk_ended, or landing_max_m <= 0.02"
+                raise ScenarioError.about(f"success[{index}]", text, problem)
         self.check_values()
         self.mark_checked()
 
     def check_values(self, behaviors: Iterable[BehaviorEntry] | None = None) -> None:
         """Checks that the fields accept the values that vary.
 
-        Args:
-            behaviors: Entries of the user's own behaviors; None does not check the
-                fields that may be theirs.
-
-        Raises:
-            ScenarioError: Naming the first field that does not.
+        Without the user's ``behaviors``, fields that may be theirs are not checked.
         """
         if behaviors is not None:
             self.scenario.controller_config(behaviors)
+        tried = []
         for path, distribution in self.vary.items():
-            where = f"vary.{path}"
-            given = check_distribution(distribution, where)
-            self._try(path, example(given), where, behaviors)
+            given = check_distribution(distribution, f"vary.{path}")
+            tried.append((f"vary.{path}", path, example(given)))
         for path, values in self.cases.items():
             if not values:
-                problem = f"is {shown(values)}; must be a list of values"
-                raise CampaignError(f"cases.{path}", values, problem)
-            for value in values:
-                self._try(path, value, f"cases.{path}", behaviors)
+                raise ScenarioError(f"cases.{path}", values, "must have values")
+            tried += [(f"cases.{path}", path, value) for value in values]
         if self.threshold is not None:
-            most = self.threshold.most
-            self._try(self.threshold.of, most, "threshold.of", behaviors)
+            tried.append(("threshold.of", self.threshold.of, self.threshold.max))
+        for name, path, value in tried:
+            if path == "seed":
+                raise ScenarioError(name, value, "differs in each trial; vary another")
+            if path.startswith(PARAMETERS):
+                continue
+            try:
+                scenario = with_values(self.scenario, {path: value})
+                if path.startswith("controller.") and behaviors is not None:
+                    scenario.controller_config(behaviors)
+            except ScenarioError as error:
+                raise ScenarioError(name, value, str(error)) from None
 
-    def _try(
-        self,
-        path: str,
-        value: Any,
-        where: str,
-        behaviors: Iterable[BehaviorEntry] | None,
-    ) -> None:
-        """Checks that a field accepts a value like this one."""
-        if path == "seed":
-            raise CampaignError(where, value, "differs in each trial; vary another")
-        if path.startswith(PARAMETERS):
-            return
-        try:
-            tried = with_values(self.scenario, {path: value})
-            if path.startswith("controller.") and behaviors is not None:
-                tried.controller_config(behaviors)
-        except ScenarioError as error:
-            raise CampaignError(where, value, str(error)) from None
+
+def figure_of(condition: str) -> str:
+    """Returns the name of the figure in a valid condition."""
+    return _parts(condition)[0]
+
+
+def unmet(conditions: Iterable[str], figures: Mapping[str, Any]) -> list[str]:
+    """Returns the conditions that do not hold; a missing figure meets none."""
+    return [text for text in conditions if not _holds(text, figures)]
+
+
+def _holds(condition: str, figures: Mapping[str, Any]) -> bool:
+    name, comparison, number = _parts(condition)
+    value = figures.get(name)
+    if comparison is None:
+        return bool(value)
+    if not isinstance(value, int | float):
+        return False
+    return _COMPARISONS[comparison](value, float(number))
+
+
+def _parts(condition: str) -> tuple[Any, ...]:
+    """Returns figure, comparison and number; the last two are None without one."""
+    found = _CONDITION.fullmatch(condition)
+    assert found is not None  # Campaign.check has checked it.
+    return found.group("figure", "comparison", "number")

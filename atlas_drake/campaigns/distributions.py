@@ -6,24 +6,26 @@ Their form is that of YAML, such as ``{uniform: [10, 60]}``; ``plan`` draws the 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Len, MinLen
+from pydantic import FiniteFloat
 
-from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.config import is_number
-from atlas_drake.errors import did_you_mean, shown
+from atlas_drake.config import checked
+from atlas_drake.errors import ScenarioError, did_you_mean
 
-FORMS = {
-    "uniform": "[lowest, highest]",
-    "integers": "[lowest, highest], both whole",
-    "log_uniform": "[lowest, highest], both above 0",
-    "normal": "[mean, standard deviation]",
-    "choice": "a list of values",
-    "sign": "a number, drawn with either sign",
+_TWO = Annotated[list[FiniteFloat], Len(2, 2)]
+FORMS: dict[str, tuple[Any, str]] = {
+    "uniform": (_TWO, "[min, max]"),
+    "integers": (Annotated[list[int], Len(2, 2)], "[min, max], both whole"),
+    "log_uniform": (_TWO, "[min, max], both above 0"),
+    "normal": (_TWO, "[mean, standard deviation]"),
+    "choice": (Annotated[list[Any], MinLen(1)], "a list of values"),
+    "sign": (FiniteFloat, "a number, drawn with either sign"),
 }
-"""Arguments of each distribution."""
+"""Type and description of the arguments of each distribution."""
 
 
 def is_distribution(value: object) -> bool:
@@ -32,48 +34,29 @@ def is_distribution(value: object) -> bool:
 
 
 def check_distribution(value: object, path: str) -> dict[str, Any]:
-    """Returns a distribution with numbers of type float.
-
-    Raises:
-        CampaignError: Naming the ``path``, if the value is not a distribution.
-    """
+    """Returns a distribution with numbers of their declared type."""
     if not isinstance(value, Mapping) or len(value) != 1:
-        raise CampaignError(
-            path, value, f"is {shown(value)}; must be such as {{uniform: [10, 60]}}"
-        )
+        problem = "must be such as {uniform: [10, 60]}"
+        raise ScenarioError.about(path, value, problem)
     ((kind, given),) = value.items()
+    path = f"{path}.{kind}"
     if kind not in FORMS:
         hint = did_you_mean(str(kind), FORMS) or f" There are {', '.join(FORMS)}."
-        raise CampaignError(f"{path}.{kind}", given, f"is no distribution.{hint}")
-    if kind == "sign":
-        numbers = _numbers([given])
-        if numbers is not None:
-            return {kind: numbers[0]}
-    elif kind == "choice":
-        if isinstance(given, Sequence) and not isinstance(given, str) and given:
-            return {kind: list(given)}
-    else:
-        numbers = _numbers(given)
-        if numbers is not None and len(numbers) == 2 and _allowed(kind, *numbers):
-            return {kind: numbers}
-    problem = f"is {shown(given)}; must be {FORMS[kind]}"
-    raise CampaignError(f"{path}.{kind}", given, problem)
+        raise ScenarioError(path, given, f"is no distribution.{hint}")
+    declared, form = FORMS[kind]
+    arguments = checked(declared, given, path)
+    if not _allowed(kind, arguments):
+        raise ScenarioError.about(path, given, f"must be {form}")
+    return {kind: arguments}
 
 
-def _allowed(kind: str, first: float, second: float) -> bool:
+def _allowed(kind: str, arguments: Any) -> bool:
+    if kind in ("choice", "sign"):
+        return True
+    first, second = arguments
     if kind == "normal":
         return second >= 0.0
-    if kind == "integers" and not (first.is_integer() and second.is_integer()):
-        return False
     return first <= second and (kind != "log_uniform" or first > 0.0)
-
-
-def _numbers(values: object) -> list[float] | None:
-    """Converts finite numbers; returns None for others."""
-    if not isinstance(values, Sequence) or not all(map(is_number, values)):
-        return None
-    numbers = [float(value) for value in values]
-    return numbers if all(map(math.isfinite, numbers)) else None
 
 
 def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
@@ -98,6 +81,4 @@ def example(distribution: Mapping[str, Any]) -> Any:
     ((kind, given),) = distribution.items()
     if kind == "sign":
         return given
-    if kind == "integers":
-        return int(given[1])
     return given[0] if kind in ("choice", "normal") else given[1]

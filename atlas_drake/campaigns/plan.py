@@ -1,7 +1,7 @@
-"""The trials of a campaign: seed and values of each trial.
+"""The trials of a campaign: seed and values of each, and the search for a threshold.
 
-The campaign and the number of a trial determine both. In the search for a threshold the
-next trials also depend on earlier results, see ``threshold``.
+The campaign and the number of a trial determine seed and values. The records of earlier
+trials alone determine the next ones of a search, so that a stopped one can continue.
 """
 
 from __future__ import annotations
@@ -15,9 +15,13 @@ import numpy as np
 
 from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
 from atlas_drake.campaigns.distributions import draw
-from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import LARGEST_SEED
+
+Record = dict[str, Any]
+"""The result of a trial."""
+Records = dict[int, Record]
+"""Records by the number of their trial."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,19 @@ class Trial:
     seed: int
     values: dict[str, Any]
 
+    def record(self, **result: Any) -> Record:
+        """Returns the record of the trial with its result."""
+        return {
+            "trial": self.number,
+            "seed": self.seed,
+            "values": self.values,
+            "success": False,
+            "missed": [],
+            "figures": {},
+            "error": None,
+            **result,
+        }
+
 
 def case_list(campaign: Campaign) -> list[dict[str, Any]]:
     """Returns every combination of the cases' values; one empty case without any.
@@ -46,14 +63,21 @@ def case_list(campaign: Campaign) -> list[dict[str, Any]]:
     return [dict(zip(paths, values, strict=True)) for values in combinations]
 
 
-def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | None:
-    """Returns the number of all trials; None for a threshold, where results decide.
-
-    ``trials`` is the number of each case; None is the campaign's.
-    """
+def number_of_trials(campaign: Campaign) -> int | None:
+    """Returns the number of all trials; None for a threshold, where results decide."""
     if campaign.threshold is not None:
         return None
-    return (campaign.trials if trials is None else trials) * len(case_list(campaign))
+    return campaign.trials * len(case_list(campaign))
+
+
+def missing_trials(campaign: Campaign, records: Records) -> list[Trial]:
+    """Returns the next trials: all that are missing, or a round of the searches."""
+    count = number_of_trials(campaign)
+    if count is None:
+        cases = range(len(case_list(campaign)))
+        searches = [Search(campaign, case, records) for case in cases]
+        return [trial for search in searches for trial in search.next_trials]
+    return [make_trial(campaign, n) for n in range(count) if n not in records]
 
 
 def trial_seed(campaign: Campaign, replica: int) -> int:
@@ -64,17 +88,17 @@ def trial_seed(campaign: Campaign, replica: int) -> int:
     return int(sequence.generate_state(1, np.uint64)[0])
 
 
-def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Trial:
+def make_trial(campaign: Campaign, number: int) -> Trial:
     """Makes the trial with this number.
 
     Numbers count cases first, then replicas, then levels of a threshold. The numbers of
-    existing trials therefore stay the same when trials are added. ``level`` is that in
-    the grid of a threshold, None without threshold.
+    existing trials therefore stay the same when trials are added.
     """
-    cases = case_list(campaign)
+    cases, threshold = case_list(campaign), campaign.threshold
     replica, case = divmod(number, len(cases))
-    if campaign.threshold is not None:
-        replica %= campaign.threshold.replicas
+    level = 0
+    if threshold is not None:
+        level, replica = divmod(replica, threshold.replicas)
     seed = trial_seed(campaign, replica)
     values = dict(cases[case])
     for path, distribution in campaign.vary.items():
@@ -83,23 +107,15 @@ def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Tri
         # Each path has its own stream, so that other paths do not change its values.
         stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(path.encode()),))
         values[path] = draw(distribution, np.random.default_rng(stream))
-    if campaign.threshold is not None and level is not None:
-        values[campaign.threshold.of] = campaign.threshold.value(level)
+    if threshold is not None:
+        values[threshold.of] = threshold.value(level)
     return Trial(number, seed, values)
 
 
 def scenario_of(campaign: Campaign, trial: Trial) -> Scenario:
-    """Makes the scenario of a trial.
-
-    Raises:
-        ScenarioError: If a random value is not allowed.
-    """
+    """Makes the scenario of a trial."""
     values = {k: v for k, v in trial.values.items() if not k.startswith(PARAMETERS)}
-    try:
-        return with_values(campaign.scenario, {**values, "seed": trial.seed})
-    except ScenarioError as error:
-        problem = f"{error.problem} (drawn for trial {trial.number})"
-        raise ScenarioError(error.field, error.value, problem) from None
+    return with_values(campaign.scenario, {**values, "seed": trial.seed})
 
 
 def parameters_of(campaign: Campaign, trial: Trial) -> dict[str, Any]:
@@ -110,3 +126,43 @@ def parameters_of(campaign: Campaign, trial: Trial) -> dict[str, Any]:
         if path.startswith(PARAMETERS)
     }
     return {**campaign.parameters, **drawn}
+
+
+class Search:
+    """The search for the threshold of one case, as far as the records go.
+
+    Attributes:
+        case: Values of the case by path.
+        passed: Largest value under which enough trials succeeded.
+        failed: Smallest value under which they did not; None if there is none so far.
+        next_trials: Trials to run next; empty when the search is over.
+    """
+
+    def __init__(self, campaign: Campaign, case: int, records: Records) -> None:
+        """Goes through the levels in the order of the search."""
+        threshold, cases = campaign.threshold, case_list(campaign)
+        assert threshold is not None
+        self.case, top = cases[case], threshold.levels + 1
+        passed, failed = 0, top
+        asked: list[int] = []
+        while failed - passed > 1 and not asked:
+            climb = threshold.search == "climb"
+            level = passed + 1 if climb else (passed + failed) // 2
+            first = level * threshold.replicas
+            # See make_trial.
+            numbers = [
+                (first + r) * len(cases) + case for r in range(threshold.replicas)
+            ]
+            done = [bool(records[n]["success"]) for n in numbers if n in records]
+            if sum(done) >= threshold.passes:
+                passed = level
+            elif len(done) - sum(done) > threshold.replicas - threshold.passes:
+                failed = level
+            else:
+                # As many replicas as must succeed, and the others if these differ.
+                missing = [n for n in numbers if n not in records]
+                few = numbers[: threshold.passes]
+                asked = [n for n in missing if n in few] or missing
+        self.passed = threshold.value(passed)
+        self.failed = None if failed == top else threshold.value(failed)
+        self.next_trials = [make_trial(campaign, number) for number in asked]

@@ -1,115 +1,110 @@
-"""The report of a campaign: successes with intervals, figures, thresholds."""
+"""The report of a campaign, made of its folder alone: table, statistics, figures.
+
+Markdown with the figures in it; the Parquet table has one row for each trial.
+"""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
+from atlas_drake.atomic_write import atomic_write
+from atlas_drake.campaigns.campaign import Campaign, figure_of
+from atlas_drake.campaigns.plan import Records, Search, case_list
+from atlas_drake.campaigns.results import read_campaign, read_records
+from atlas_drake.campaigns.shipped import FIRST_FAILURE, FIRST_FAILURE_AT
+from atlas_drake.campaigns.table import (
+    FIGURES,
+    VALUES,
+    case_label,
+    check_packages,
+    label,
+    numeric_figures,
+    share_interval,
+    table_of,
+)
 
-from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.metrics import FIRST_FAILURE, FIRST_FAILURE_AT
-from atlas_drake.campaigns.plan import case_list
-from atlas_drake.campaigns.threshold import Record, Records, Search
-from atlas_drake.config import is_number
+if TYPE_CHECKING:
+    import pandas as pd
 
-SHOWN_ERRORS = 3
-"""Largest number of different errors in a report."""
+REPORT, TABLE = "report.md", "results.parquet"
+"""Names in a campaign's folder."""
+SHOWN_ERRORS, SHOWN_FAILURES = 3, 20
+"""Largest numbers of different errors and of failed trials in a report."""
 SHOWN_CASES = 12
 """Largest number of cases of which first failures are shown one by one."""
-LEVEL = 0.95
-"""Confidence level of every interval [-]."""
+
+
+def write_results(folder: Path) -> tuple[str, list[Path]]:
+    """Writes table, report and figures of the trials so far; returns text and files."""
+    check_packages()
+    campaign, records = read_campaign(folder), read_records(folder)
+    frame, text = table_of(records), report(campaign, records)
+    pages = []
+    if records:
+        # Matplotlib loads only here.
+        from atlas_drake.campaigns.figures import write_figures
+
+        pages = write_figures(campaign, records, folder)
+    text += "".join(f"\n![{page.stem}]({page.name})\n" for page in pages)
+    with atomic_write(folder / REPORT) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    for name in frame:
+        if frame[name].dtype == object and name != "missed":  # Of several types.
+            frame[name] = frame[name].map(str, na_action="ignore").astype("string")
+    with atomic_write(folder / TABLE) as unfinished:
+        frame.to_parquet(unfinished)
+    return text, [folder / TABLE, folder / REPORT, *pages]
 
 
 def report(campaign: Campaign, records: Records) -> str:
-    """Returns the report as Markdown."""
-    rows = list(records.values())
-    parts = [f"# {campaign.name}: {len(rows)} trials"]
+    """Returns the report as Markdown, without figures."""
+    frame = table_of(records)
+    parts = [f"# {campaign.name}: {len(records)} trials"]
     if campaign.threshold is not None:
         parts.append(_thresholds(campaign, records))
-    parts.append(_success_table(campaign, rows))
-    texts = (
-        _failures_table(campaign, rows),
-        _figures_table(rows),
-        _missed(campaign, rows),
-        _failures(rows),
-    )
-    parts += [text for text in texts if text]
-    return "\n\n".join(parts) + "\n"
-
-
-def share_interval(successes: int, trials: int) -> tuple[float, float]:
-    """Returns Wilson's score interval of a probability, from 1 trial or more."""
-    # Scipy takes a second to load.
-    from scipy.stats import binomtest
-
-    interval = binomtest(successes, trials).proportion_ci(LEVEL, method="wilson")
-    return float(interval.low), float(interval.high)
+    if records:
+        parts += [
+            _successes(campaign, frame),
+            _first_failures(campaign, frame),
+            _figures(frame),
+            _missed(campaign, frame),
+            _failed(frame),
+        ]
+    return "\n\n".join(filter(None, parts)) + "\n"
 
 
 def share_text(successes: int, trials: int) -> str:
     """Returns a share with its interval, in percent."""
-    if trials == 0:
-        return "–"
     low, high = share_interval(successes, trials)
     share = 100.0 * successes / trials
     return f"{share:.1f} % ({100 * low:.1f} to {100 * high:.1f} %)"
 
 
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Returns a table in Markdown."""
+    """Returns a table in Markdown; without rows, an empty text."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines[2:] and lines)
 
 
-def varied_paths(rows: Iterable[Record]) -> list[str]:
-    """Returns the paths of the values that differ between trials, in order."""
-    return list(dict.fromkeys(path for row in rows for path in row["values"]))
-
-
-def figure_names(rows: Iterable[Record]) -> list[str]:
-    """Returns the names of the figures that are numbers, in order."""
-    return list(
-        dict.fromkeys(
-            name
-            for row in rows
-            for name, value in row["figures"].items()
-            if is_number(value)
-        )
-    )
-
-
-def figure_values(rows: Iterable[Record], name: str) -> list[float]:
-    """Returns the numbers of a figure, of the trials that have it."""
-    found = (row["figures"].get(name) for row in rows)
-    return [float(value) for value in found if is_number(value)]
-
-
-def _success_table(campaign: Campaign, rows: list[Record]) -> str:
-    groups = [("all", rows)]
-    for path in varied_paths(rows):
+def _successes(campaign: Campaign, frame: pd.DataFrame) -> str:
+    """Counts the successes, also by each value that several trials share."""
+    groups = [("all", frame["success"])]
+    for column in frame.filter(regex=f"^{VALUES}"):
+        path = column.removeprefix(VALUES)
         if not _repeats(campaign, path):
             continue
-        values = [row["values"].get(path) for row in rows]
-        for value in _distinct(values):
-            mine = [row for row, own in zip(rows, values, strict=True) if own == value]
-            groups.append((f"{path} = {_short(value)}", mine))
+        number = frame[column].dtype.kind in "iuf"
+        rows = frame.sort_values(column) if number else frame
+        same = rows["success"].groupby(rows[column].map(label), sort=False)
+        groups += [(f"{path} = {value}", mine) for value, mine in same]
+    head = ["trials", "successes", "share, with its interval of 95 %"]
     table = []
     for name, mine in groups:
-        good = sum(row["success"] for row in mine)
-        table.append([name, f"{good} of {len(mine)}", share_text(good, len(mine))])
-    return markdown(["trials", "successes", "share, with its interval of 95 %"], table)
-
-
-def _distinct(values: Iterable[Any]) -> list[Any]:
-    """Returns different values in order; they may be lists and mappings."""
-    found: list[Any] = []
-    for value in values:
-        if value not in found:
-            found.append(value)
-    return sorted(found, key=_order)
+        good, count = int(mine.sum()), len(mine)
+        table.append([name, f"{good} of {count}", share_text(good, count)])
+    return markdown(head, table)
 
 
 def _repeats(campaign: Campaign, path: str) -> bool:
@@ -123,84 +118,75 @@ def _repeats(campaign: Campaign, path: str) -> bool:
     )
 
 
-def _order(value: Any) -> tuple[bool, Any]:
-    """Sorts numbers by size, and words after them."""
-    return (False, value) if is_number(value) else (True, str(value))
-
-
-def _failures_table(campaign: Campaign, rows: list[Record]) -> str:
+def _first_failures(campaign: Campaign, frame: pd.DataFrame) -> str:
     """Counts what happened first in the trials that failed, by case."""
-    table, cases = [], case_list(campaign)
-    for case in cases if len(cases) <= SHOWN_CASES else [{}]:
-        mine = [row for row in rows if case.items() <= row["values"].items()]
-        counts = Counter(
-            " ".join(filter(None, (kind, row["figures"].get(FIRST_FAILURE_AT))))
-            for row in mine
-            if not row["success"] and (kind := row["figures"].get(FIRST_FAILURE))
-        )
-        if counts:
-            name = ", ".join(
-                f"{path} = {_short(value)}" for path, value in case.items()
-            )
-            table += [
-                [name or "all", kind, f"{count} of {len(mine)}"]
-                for kind, count in counts.most_common()
-            ]
-    head = ["trials", "first failure", "failures"]
-    return markdown(head, table) if table else ""
+    if FIGURES + FIRST_FAILURE not in frame:
+        return ""
+    paths = sorted(campaign.cases)
+    if len(case_list(campaign)) > SHOWN_CASES:
+        paths = []
+    values = frame[[VALUES + path for path in paths]].to_dict("split")["data"]
+    cases = [case_label(dict(zip(paths, row, strict=True))) for row in values]
+    frame = frame.assign(case=cases)
+    failed = frame[~frame["success"] & frame[FIGURES + FIRST_FAILURE].notna()]
+    what = failed[FIGURES + FIRST_FAILURE].astype(str)
+    if FIGURES + FIRST_FAILURE_AT in frame:
+        place = failed[FIGURES + FIRST_FAILURE_AT].fillna("").astype(str)
+        what = (what + " " + place).str.strip()
+    table = [
+        [case, kind, f"{count} of {cases.count(case)}"]
+        for case, mine in what.groupby(failed["case"], sort=False)
+        for kind, count in mine.value_counts().items()
+    ]
+    return markdown(["trials", "first failure", "failures"], table)
 
 
-def _figures_table(rows: list[Record]) -> str:
-    table = []
-    for name in figure_names(rows):
-        values = figure_values(rows, name)
-        numbers = [np.min(values), *np.percentile(values, [5, 50, 95]), np.max(values)]
-        table.append([name, *(f"{number:.4g}" for number in numbers)])
-    head = ["figure", "least", "5 %", "median", "95 %", "most"]
-    return markdown(head, table) if table else ""
+def _figures(frame: pd.DataFrame) -> str:
+    names = numeric_figures(frame)
+    quantiles = frame[names].astype(float).quantile([0.0, 0.05, 0.5, 0.95, 1.0])
+    table = [
+        [name.removeprefix(FIGURES), *(f"{q:.4g}" for q in quantiles[name])]
+        for name in names
+    ]
+    return markdown(["figure", "min", "5 %", "median", "95 %", "max"], table)
 
 
 def _thresholds(campaign: Campaign, records: Records) -> str:
     assert campaign.threshold is not None
     table = []
     for index in range(len(case_list(campaign))):
-        found = Search(campaign, index).found(records)
-        case = ", ".join(f"{k} = {_short(v)}" for k, v in found.case.items())
-        above = "nothing tried" if found.too_much is None else f"{found.too_much:g}"
-        borne = f"{found.borne:g}" + ("" if found.ended else " so far")
-        table.append([case or "all", borne, above])
-    return markdown([campaign.threshold.of, "borne", "too much"], table)
+        found = Search(campaign, index, records)
+        passed = f"{found.passed:g}" + (" so far" if found.next_trials else "")
+        failed = "nothing tried" if found.failed is None else f"{found.failed:g}"
+        table.append([case_label(found.case), passed, failed])
+    head = [campaign.threshold.of, "highest passed", "lowest failed"]
+    return markdown(head, table)
 
 
-def _missed(campaign: Campaign, rows: list[Record]) -> str:
+def _missed(campaign: Campaign, frame: pd.DataFrame) -> str:
     """Lists the conditions of success that were missed, and how often."""
-    figures = {name for row in rows for name in row["figures"]}
     lines = []
     for text in campaign.success:
-        count = sum(text in row["missed"] for row in rows)
+        count = sum(text in missed for missed in frame["missed"])
         if count:
             name = figure_of(text)
-            unknown = "" if name in figures else f"; no trial has a figure `{name}`"
-            lines.append(f"- `{text}` missed in {count} of {len(rows)}{unknown}")
+            known = FIGURES + name in frame
+            unknown = "" if known else f"; no trial has a figure `{name}`"
+            lines.append(f"- `{text}` missed in {count} of {len(frame)}{unknown}")
     return "\n".join(lines)
 
 
-def _failures(rows: list[Record]) -> str:
+def _failed(frame: pd.DataFrame) -> str:
     """Lists the trials that failed, and the errors."""
     lines = []
-    failing = [str(row["trial"]) for row in rows if not row["success"]]
+    failing = list(frame["trial"][~frame["success"]].map(str))
     if failing:
-        more = f" and {len(failing) - 20} more" if len(failing) > 20 else ""
-        lines.append(f"Trials that failed: {', '.join(failing[:20])}{more}.")
-    errors: dict[str, list[int]] = {}
-    for row in rows:
-        if row["error"] is not None:
-            last = row["error"].strip().splitlines()[-1]
-            errors.setdefault(last, []).append(row["trial"])
-    for text, numbers in list(errors.items())[:SHOWN_ERRORS]:
-        lines.append(f"Raised in {len(numbers)}, first in trial {numbers[0]}: {text}")
+        shown, more = failing[:SHOWN_FAILURES], len(failing) - SHOWN_FAILURES
+        rest = f" and {more} more" if more > 0 else ""
+        lines.append(f"Trials that failed: {', '.join(shown)}{rest}.")
+    raised = frame.dropna(subset="error")
+    last = raised["error"].map(lambda error: error.strip().splitlines()[-1])
+    for text, trials in list(raised["trial"].groupby(last, sort=False))[:SHOWN_ERRORS]:
+        first = trials.iloc[0]
+        lines.append(f"Raised in {len(trials)}, first in trial {first}: {text}")
     return "\n\n".join(lines)
-
-
-def _short(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

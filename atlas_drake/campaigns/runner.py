@@ -1,95 +1,54 @@
-"""Runs the missing trials of a campaign, on this machine or a cluster.
+"""Runs the missing trials of a campaign, on this machine or on a cluster.
 
 Results do not depend on the number of processes or machines.
 """
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import closing
-from dataclasses import dataclass, replace
+import functools
+import logging
+import multiprocessing
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import as_completed
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.campaigns.folder import CampaignFolder
-from atlas_drake.campaigns.plan import Trial, case_list, make_trial, number_of_trials
-from atlas_drake.campaigns.processes import Outcome, Processes
-from atlas_drake.campaigns.sources import Sources, joined
-from atlas_drake.campaigns.threshold import Search
-from atlas_drake.campaigns.trial_runner import TrialRunner, failed
-from atlas_drake.errors import shown
+from atlas_drake.campaigns.plan import Record, Records, Trial, missing_trials
+from atlas_drake.campaigns.results import Results
+from atlas_drake.campaigns.table import check_packages
+from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.errors import AtlasError, ScenarioError
 
 if TYPE_CHECKING:
-    from atlas_drake.campaigns.ray_cluster import RayCluster
+    from atlas_drake.campaigns.children import Submit, Work
 
-Records = dict[int, dict[str, Any]]
-
-
-@dataclass(frozen=True)
-class Shard:
-    """A part of a campaign's trials.
-
-    Attributes:
-        index: Number of the part, from 1.
-        count: Number of parts.
-    """
-
-    index: int = 1
-    count: int = 1
-
-    def __post_init__(self) -> None:
-        """Check the numbers.
-
-        Raises:
-            CampaignError: If there is no such part.
-        """
-        if not 1 <= self.index <= self.count:
-            raise CampaignError(
-                "--shard", str(self), f"is {self}; must be from 1/n to n/n"
-            )
-
-    def __str__(self) -> str:
-        """Return the form of the command line, such as ``1/4``."""
-        return f"{self.index}/{self.count}"
-
-    def has(self, number: int) -> bool:
-        """Return True if a number from 0 belongs to the part."""
-        return number % self.count == self.index - 1
+CONNECT_WITHIN = 10.0
+"""Time for the scheduler of a cluster to answer [s]."""
 
 
 def run_campaign(
     campaign: Campaign,
     out: str | Path,
     *,
-    trials: int | None = None,
     jobs: int = 1,
-    ray: str | None = None,
-    shard: Shard | None = None,
-    files: Iterable[str | Path] = (),
-    functions: Mapping[str, Callable[..., Any]] | None = None,
-    parts: Mapping[str, Any] | None = None,
-    on_trial: Callable[[dict[str, Any], int, int], None] | None = None,
+    cluster: str | None = None,
+    on_trial: Callable[[Record, int, int], None] | None = None,
 ) -> Records:
     """Runs all trials of a campaign that are missing.
 
     If a campaign was stopped in any way, another call with the same folder continues
-    it: no trial runs twice.
+    it: no trial that is in the folder runs again.
 
     Args:
         campaign: The campaign.
         out: Folder of the results.
-        trials: Number of trials of each case; None for the campaign's number.
-        jobs: Processes at a time; with ``ray``, calls at a time, and 0 for as many as
-            the cluster has processors.
-        ray: Address of a Ray cluster to run on; None runs on this machine.
-        shard: Part to run; None for all trials.
-        files: Python files with functions and parts, beside the campaign's ``code``.
-        functions: Functions that the campaign names, from a module that other processes
-            can import.
-        parts: Arguments of ``AtlasSimulation``, from such a module.
+        jobs: Child processes at a time, without a cluster.
+        cluster: Address of a Dask scheduler, such as ``tcp://HOST:8786``; None runs on
+            this machine.
         on_trial: Called after each trial with its record, the number of finished
             trials, and the number of all trials known so far.
 
@@ -98,67 +57,86 @@ def run_campaign(
 
     Raises:
         ScenarioError: If the campaign cannot be run, or the folder holds another.
+        OSError: If the folder cannot be written; the records in it stay.
     """
     campaign = campaign.validate()
-    if jobs < (0 if ray is not None else 1):
-        raise CampaignError("--jobs", jobs, f"is {shown(jobs)}; must be 1 or more")
-    if trials is not None:
-        if trials < 1:
-            problem = f"is {shown(trials)}; must be 1 or more"
-            raise CampaignError("--trials", trials, problem)
-        campaign = replace(campaign, trials=trials)
-    shard = shard or Shard()
-    sources = Sources(joined(campaign.code, files), functions or {}, parts or {})
-    trial_runner = TrialRunner(campaign, sources)
-    folder = CampaignFolder(Path(out))
-    folder.begin(campaign, sources)
-    with (
-        folder.only_one(str(shard).replace("/", "-of-")),
-        closing(_workers(trial_runner, campaign.trial_timeout, jobs, ray)) as workers,
-    ):
-        records = folder.records()
-        while missing := missing_trials(campaign, records, shard):
-            left = len(missing)
-            for outcome in workers.calls(missing):
-                record = _record(outcome)
-                folder.write(record)
-                records[record["trial"]] = record
-                left -= 1
+    if jobs < 1:
+        raise ScenarioError.about("--jobs", jobs, "must be 1 or more")
+    check_packages()
+    from atlas_drake.campaigns.children import Work, local_children
+
+    TrialRunner(campaign)  # Finds every function, or names one that is missing.
+    workers = local_children(Work.of(campaign), jobs)
+    if cluster is not None:
+        workers = _cluster_workers(cluster, Work.of(campaign), campaign.code)
+    with Results(Path(out), campaign) as results, workers as submit:
+        while missing := missing_trials(campaign, results.records):
+            futures = [submit(trial) for trial in missing]
+            total = len(results.records) + len(missing)
+            for future in as_completed(futures):
+                try:
+                    line = future.result()
+                except AtlasError:
+                    raise
+                except Exception as error:
+                    if cluster is None:
+                        raise
+                    problem = f"failed: {error!r}; the same command goes on from there"
+                    raise ScenarioError("--cluster", cluster, problem) from error
+                record = results.add(line)
                 if on_trial is not None:
-                    on_trial(record, len(records), len(records) + left)
-    return records
+                    on_trial(record, len(results.records), total)
+    return results.records
 
 
-def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[Trial]:
-    """Returns the next trials: all that are missing, or a round of the searches."""
-    count = number_of_trials(campaign)
-    if count is None:
-        cases = len(case_list(campaign))
-        searches = [Search(campaign, c) for c in range(cases) if shard.has(c)]
-        return [trial for search in searches for trial in search.next_trials(records)]
-    return [
-        make_trial(campaign, number)
-        for number in range(count)
-        if shard.has(number) and number not in records
-    ]
+@contextmanager
+def _cluster_workers(address: str, work: Work, code: list[str]) -> Iterator[Submit]:
+    """Yields what runs trials on the workers of a Dask cluster.
+
+    Dask gives the trials of a worker or a machine that is lost to others.
+    """
+    try:
+        from distributed import Client  # Takes a second to load.
+        from distributed.comm import get_address_host_port
+    except ImportError:
+        problem = 'needs Dask: pip install "atlas-drake[cluster]"'
+        raise ScenarioError("--cluster", address, problem) from None
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # An error is raised.
+    try:
+        get_address_host_port(address, strict=True)  # The client would fail later.
+        client = Client(address, timeout=CONNECT_WITHIN, set_as_default=False)
+    except (OSError, ValueError) as error:
+        problem = f"no Dask scheduler at {address}: {error}"
+        raise ScenarioError("--cluster", address, problem) from error
+    with client:
+        for file in code:
+            client.upload_file(file, load=False)
+        executor = client.get_executor(pure=False)
+        try:
+            yield functools.partial(executor.submit, run_on_worker, work)
+        finally:
+            executor.shutdown(wait=False)
 
 
-def _workers(
-    trial_runner: TrialRunner, limit: float, jobs: int, ray: str | None
-) -> Processes | RayCluster:
-    """Returns what runs trials: processes, or a cluster."""
-    if ray is None:
-        return Processes(pickle.dumps(trial_runner), jobs, limit)
-    # Ray loads only if it is used.
-    from atlas_drake.campaigns.ray_cluster import RayCluster
-
-    return RayCluster(trial_runner, limit, ray, jobs or None)
+_own = threading.local()
+"""In each thread of a worker: its ``child``."""
 
 
-def _record(outcome: Outcome) -> dict[str, Any]:
-    if outcome.error is None:
-        record: dict[str, Any] = outcome.result
-        return record
-    trial: Trial = outcome.item
-    record = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
-    return record | failed(outcome.error)
+def run_on_worker(work: Work, trial: Trial) -> bytes:
+    """Runs a trial in a child of this worker, so that no trial ends the worker."""
+    from distributed import get_worker
+
+    from atlas_drake.campaigns.children import Child
+
+    worker = get_worker()
+    if multiprocessing.current_process().daemon:
+        problem = "may have no child processes: start the workers with --no-nanny"
+        raise ScenarioError("--cluster", worker.address, problem)
+    work = replace(work, folder=worker.local_directory)
+    child: Child | None = getattr(_own, "child", None)
+    if child is None or child.work != work:
+        if child is not None:
+            child.end()
+        child = _own.child = Child(work)
+    return child.run(trial)

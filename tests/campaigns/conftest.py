@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 
-from atlas_drake.campaigns import load_campaign
+from atlas_drake.campaigns import figures, load_campaign
 
 TINY = """
 name: tiny
@@ -17,6 +17,11 @@ pushes:
     direction: {uniform: [-3.14, 3.14]}
 metrics: [success, tilt, energy]
 """
+
+
+@pytest.fixture(autouse=True)
+def _small_figures(monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
 
 
 @pytest.fixture
@@ -43,16 +48,3 @@ def campaign(campaign_file):
         return load_campaign(campaign_file(more, code))
 
     return load
-
-
-def record(number, success=True, seed=None, **figures):
-    """The record of a trial."""
-    return {
-        "trial": number,
-        "seed": number if seed is None else seed,
-        "values": {},
-        "success": success,
-        "missed": [],
-        "figures": figures,
-        "error": None,
-    }

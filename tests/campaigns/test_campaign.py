@@ -1,7 +1,6 @@
 """Campaigns as data: what a file may say, and what is drawn from it."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 
 from atlas_drake import ScenarioError
 from atlas_drake.campaigns import Campaign, load_campaign
-from atlas_drake.campaigns.conditions import unmet
+from atlas_drake.campaigns.campaign import unmet
 from atlas_drake.campaigns.distributions import check_distribution, draw
 from atlas_drake.campaigns.plan import (
     case_list,
@@ -106,8 +105,9 @@ def test_integers_are_drawn_with_both_ends():
         ("trial_timeout: .inf", "trial_timeout"),
         ("vary: {start.yaw: {uniform: [1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniform: [2, 1]}}", "vary.start.yaw.uniform"),
-        ("vary: {seed: {integers: [0.5, 1]}}", "vary.seed.integers"),
+        ("vary: {seed: {integers: [0.5, 1]}}", "vary.seed.integers[0]"),
         ("vary: {start.yaw: {uniforn: [1, 2]}}", "vary.start.yaw.uniforn"),
+        ("vary: {start.yaw: {sign: .nan}}", "vary.start.yaw.sign"),
         ("vary: {start.yaw: 3}", "vary.start.yaw"),
         ("vary: {jitter.mass: {log_uniform: [0, 1]}}", "vary.jitter.mass.log_uniform"),
         ("vary: {jitter.mas: {uniform: [0, 1]}}", "vary.jitter.mas"),
@@ -117,14 +117,14 @@ def test_integers_are_drawn_with_both_ends():
         ("cases: {model: atlas}", "cases.model"),
         ("cases: {model: [atlas, atlass]}", "cases.model"),
         ("success: [tilt_max_rad << 3]", "success[0]"),
-        ("threshold: {of: jitter.mass, most: 0.1, within: 0}", "threshold.within"),
-        ("threshold: {of: jitter.mass, most: 0.1, within: 0.2}", "threshold.within"),
+        ("threshold: {of: jitter.mass, max: 0.1, step: 0}", "threshold.step"),
+        ("threshold: {of: jitter.mass, max: 0.1, step: 0.2}", "threshold.step"),
         (
-            "threshold: {of: jitter.mass, most: 0.1, within: 0.1, passes: 9}",
+            "threshold: {of: jitter.mass, max: 0.1, step: 0.1, passes: 9}",
             "threshold.passes",
         ),
         ("model: atlas", "model"),
-        ("threshold: {of: jitter.mass, most: 2.0, within: 1}", "threshold.of"),
+        ("threshold: {of: jitter.mass, max: 2.0, step: 1}", "threshold.of"),
     ],
 )
 def test_bad_input_names_the_field(more, field, campaign_file):
@@ -139,28 +139,11 @@ def test_a_scenario_is_a_file_or_its_fields(tmp_path):
     (tmp_path / "campaign.yaml").write_text("scenario: scenario.yaml\n")
     campaign = load_campaign(tmp_path / "campaign.yaml")
     assert campaign.scenario.ground_friction == 0.7
-    (tmp_path / "campaign.yaml").write_text("scenario: {ground_friction: -1}\n")
-    with pytest.raises(ScenarioError, match=r"scenario\.ground_friction"):
-        load_campaign(tmp_path / "campaign.yaml")
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("noise: reference", "noise: .* below `scenario`, and `atlas-drake run`"),
-        (
-            "scenario: {pushes: [{time: 1, impulse: {uniform: [1, 2]}}]}",
-            r"`vary`: `pushes\[0\]\.impulse: {'uniform': .*}`, or in `pushes` beside",
-        ),
-        ("scenario: {ground_friction: {normal: [1, 2]}}", "`vary`: `ground_friction: "),
-        ("duration: {normal: [5, 1]}", "`vary`: `duration: "),
-    ],
-)
-def test_a_misplaced_field_is_refused_with_its_place(text, complaint, tmp_path):
-    path = tmp_path / "campaign.yaml"
-    path.write_text(text)
-    with pytest.raises(ScenarioError, match=complaint):
-        load_campaign(path)
+    for text in ("scenario: {ground_friction: -1}", "scenario: {ground_friction: {}}"):
+        (tmp_path / "campaign.yaml").write_text(text)
+        with pytest.raises(ScenarioError) as caught:
+            load_campaign(tmp_path / "campaign.yaml")
+        assert caught.value.field == "scenario.ground_friction"
 
 
 def test_unmet_conditions_are_listed():
@@ -183,8 +166,9 @@ def test_a_setting_replaces_distribution_and_cases(campaign_file):
     assert scenario_of(campaign, trial).pushes[0].impulse == 7.0
     assert scenario_of(campaign, trial).model == "atlas_v3"
     assert parameters_of(campaign, trial) == {"side": "left"}
-    with pytest.raises(ScenarioError, match="NAME=VALUE"):
-        load_campaign(path, ["parameters.=3"])
+    for text in ("parameters.=3", "parameters.side"):
+        with pytest.raises(ScenarioError, match="--set"):
+            load_campaign(path, [text])
 
 
 def test_the_docs_campaigns_can_be_loaded(tmp_path):
@@ -196,11 +180,4 @@ def test_the_docs_campaigns_can_be_loaded(tmp_path):
         path = tmp_path / "campaign.yaml"
         path.write_text(text)
         campaign = load_campaign(path)
-        assert scenario_of(campaign, make_trial(campaign, 3, 1)).pushes
-
-
-def test_a_campaign_is_checked_once_until_it_is_changed(campaign_file):
-    campaign = load_campaign(campaign_file("trials: 3\n"))
-    assert campaign.validate() is campaign
-    with pytest.raises(ScenarioError, match="trials"):
-        replace(campaign, trials=0).validate()
+        assert scenario_of(campaign, make_trial(campaign, 3)).pushes

@@ -1,23 +1,16 @@
 """Trials in one process: figures, errors, simulations that are kept."""
 
-import pickle
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
 from atlas_drake import AtlasSimulation, ScenarioError
-from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
 from atlas_drake.campaigns.plan import make_trial
-from atlas_drake.campaigns.runner import Shard, missing_trials
-from atlas_drake.campaigns.shipped_trials import walk
-from atlas_drake.campaigns.sources import Sources
+from atlas_drake.campaigns.results import same_result
+from atlas_drake.campaigns.shipped import walk
 from atlas_drake.campaigns.trial_runner import TrialRunner
-from atlas_drake.config import Share
 from atlas_drake.scenario import Scenario, with_settings
-
-from .conftest import record
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
@@ -45,10 +38,6 @@ seeds: counted
 """
 
 
-def runner_of(campaign):
-    return TrialRunner(campaign, Sources(tuple(campaign.code)))
-
-
 @pytest.mark.slow
 def test_the_walk_takes_the_gait_of_its_parameters():
     sim = AtlasSimulation(Scenario(duration=9.0))
@@ -65,7 +54,7 @@ def test_every_trial_is_reproducible_alone(campaign):
     lines = "vary: {ground_friction: {uniform: [0.5, 0.9]}}"
     cases = "cases: {controller.gains.dcm_gain: [2.0, 2.5]}"
     campaign = campaign(f"{lines}\n{cases}\n")
-    trial_runner = runner_of(campaign)
+    trial_runner = TrialRunner(campaign)
     records = [trial_runner(make_trial(campaign, number)) for number in range(4)]
     # The gain is built in, and friction, push and jitter are not.
     assert [r["machine"]["built_anew"] for r in records] == [True, True, False, False]
@@ -75,16 +64,15 @@ def test_every_trial_is_reproducible_alone(campaign):
     assert figures["work_taken_j"] > 0.0
     assert 0.0 < figures["tilt_max_rad"] < 1.0
     assert len({r["figures"]["tilt_max_rad"] for r in records}) == 4
-    # In another process nothing is kept.
-    elsewhere = pickle.loads(pickle.dumps(trial_runner))
-    alone = elsewhere(make_trial(campaign, 2))
+    # Another runner has kept nothing.
+    alone = TrialRunner(campaign)(make_trial(campaign, 2))
     assert alone["machine"]["built_anew"]
     assert same_result(alone) == same_result(records[2])
 
 
 def test_user_functions_run_and_measure_a_trial(campaign):
     campaign = campaign(LINES, OWN)
-    trial_runner = runner_of(campaign)
+    trial_runner = TrialRunner(campaign)
     trials = [trial_runner(make_trial(campaign, number)) for number in range(3)]
     good, odd, doubled = trials
     assert good["success"]
@@ -113,93 +101,38 @@ def test_user_functions_run_and_measure_a_trial(campaign):
 def test_an_unknown_function_is_named_with_its_field(more, field, campaign):
     lines = more if "metrics" not in more else f"trial: run\n{more}"
     with pytest.raises(ScenarioError) as caught:
-        runner_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
+        TrialRunner(campaign(lines.replace("metrics", "success: []\nmetrics")))
     assert caught.value.field == field
 
 
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        ("vary: {controller.lean.angle: {uniform: [0, 2]}}", "less than or equal to 1"),
-        ("cases: {controller.laen.angle: [0.1]}", "Did you mean 'lean'"),
-    ],
-)
-def test_settings_of_a_behavior_are_checked_before_the_first_trial(
-    more, words, campaign
-):
+LEAN = """
+    from dataclasses import dataclass
+
+    from atlas_drake.behaviors.entry import BehaviorEntry
+    from atlas_drake.config import Share
+
     @dataclass(frozen=True)
     class Lean:
         angle: Share = 0.1
 
-    lean = BehaviorEntry(
-        name="LEAN", number=100, make=lambda _tools, _config: None, config=Lean()
-    )
-    sources = Sources(parts={"behaviors": [lean]})
-    TrialRunner(campaign("cases: {controller.lean.angle: [0.1]}"), sources)
-    made = campaign(more)
-    with pytest.raises(ScenarioError, match=words):
-        TrialRunner(made, sources)
+    behaviors = [
+        BehaviorEntry(
+            name="LEAN", number=100, make=lambda _tools, _config: None, config=Lean()
+        )
+    ]
+"""
+
+
+def test_settings_of_a_behavior_are_checked_before_the_first_trial(campaign):
+    good = campaign("cases: {controller.lean.angle: [0.1]}", LEAN)
+    TrialRunner(good)
+    for more, words in (
+        ("vary: {controller.lean.angle: {uniform: [0, 2]}}", "controller.lean.angle"),
+        ("cases: {controller.laen.angle: [0.1]}", "Did you mean 'lean'"),
+    ):
+        made = campaign(more, LEAN)
+        with pytest.raises(ScenarioError, match=words):
+            TrialRunner(made)
     scenario = with_settings(Scenario(), ["controller.laen.angle=0.1"])
     with pytest.raises(ScenarioError, match="Did you mean 'lean'"):
-        TrialRunner(replace(campaign(), scenario=scenario), sources)
-
-
-def test_shards_merge_to_the_same_results(campaign, tmp_path):
-    campaign, sources = campaign(), Sources()
-    whole = {n: fake(make_trial(campaign, n)) for n in range(3)}
-    campaign = replace(campaign, trials=3)
-    parts = []
-    for index in (1, 2):
-        folder = CampaignFolder(tmp_path / f"part{index}")
-        folder.begin(campaign, sources)
-        for trial in missing_trials(campaign, {}, Shard(index, 2)):
-            folder.write(fake(trial))
-        parts.append(folder)
-    target = CampaignFolder(tmp_path / "whole")
-    assert merge(target, parts) == 3
-    assert merge(target, parts) == 0
-    assert target.records() == whole
-    assert missing_trials(campaign, target.records(), Shard()) == []
-    for index in (0, 3):
-        with pytest.raises(ScenarioError, match="--shard"):
-            Shard(index, 2)
-    parts[1].write({**fake(make_trial(campaign, 1)), "success": False})
-    with pytest.raises(ScenarioError, match=r"trial 1 of .* contradicts"):
-        merge(target, parts)
-    campaign = replace(campaign, seed=3)
-    other = CampaignFolder(tmp_path / "other")
-    other.begin(campaign, sources)
-    with pytest.raises(ScenarioError, match="another campaign: seed is 3, and 0"):
-        merge(target, [other])
-
-
-def fake(trial):
-    return record(trial.number, seed=trial.seed, tilt=0.1) | {"values": trial.values}
-
-
-def test_a_folder_holds_one_campaign(campaign, campaign_file, tmp_path):
-    first = campaign("", "NUMBER = 1\n")
-    sources = Sources(tuple(first.code))
-    folder = CampaignFolder(tmp_path / "out")
-    folder.begin(first, sources)
-    first = replace(first, trials=7)
-    folder.begin(first, sources)
-    changed = campaign("", "NUMBER = 1\n")
-    jitter = replace(changed.scenario.jitter, mass=0.1)
-    changed = replace(changed, scenario=replace(changed.scenario, jitter=jitter))
-    with pytest.raises(ScenarioError, match=r"jitter\.mass is 0\.1, and was 0\.05"):
-        folder.begin(changed, sources)
-    campaign_file("", "NUMBER = 2\n")
-    with pytest.raises(ScenarioError, match="another campaign: code"):
-        folder.begin(first, sources)
-    again = folder.campaign()
-    assert again.vary == first.vary
-    assert again.scenario == first.scenario
-    with pytest.raises(ScenarioError, match="holds no campaign"):
-        CampaignFolder(tmp_path / "nothing").campaign()
-    with (
-        folder.only_one("1-of-1"),
-        pytest.raises(ScenarioError, match="another program"),
-        folder.only_one("1-of-1"),
-    ):
-        pass
+        TrialRunner(replace(good, cases={}, scenario=scenario))

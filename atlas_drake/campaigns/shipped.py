@@ -1,15 +1,17 @@
-"""The shipped metrics.
+"""The shipped trial functions and metrics.
 
-A metric is a function of a finished simulation, or a class that is fed records: it is
-made with (robot), its ``update`` gets every record, and its ``result`` the finished
-simulation. Both return figures by name: numbers, text, or None for a missing value. The
-optional attribute ``extend`` is called with (builder, station, robot) before the
-diagram is built, to add systems that measure at every physics step.
+A trial function gets a simulation at its start and the parameters of the trial,
+advances the simulation, and may return figures. A metric is a function of a finished
+simulation, or a class that is fed records: it is made with (robot), its ``update`` gets
+every record, and its ``result`` the finished simulation. Figures are numbers, words or
+None by name. The optional attribute ``extend`` of a metric is called with (builder,
+station, robot) before the diagram is built, to add systems that measure at every
+physics step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,13 +19,27 @@ from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from atlas_drake.logs.failure_modes import NONE, FailureWatch
-from atlas_drake.records import TickRecord
+from atlas_drake.messages import Behavior
+from atlas_drake.planning.footstep_planner import steps_ahead
+from atlas_drake.planning.step_stream import StepStream
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
 from atlas_drake.systems.run_statistics import EnergyMeter
 
 Figures = dict[str, Any]
+PIECE = 0.1
+"""Simulated time between two checks of the robot [s]."""
+DISTANCE = 2.0
+"""Default distance of ``walk`` [m]."""
+GAIT_PARAMETERS = {
+    "stride": "stride",
+    "step_duration": "duration",
+    "swing_height": "swing_height",
+}
+"""Fields of a ``Gait`` by the parameter of ``walk``."""
+STANDING = 1.0
+"""Time for which ``walk`` stands before its first step [s]."""
 AT_LIMIT = 0.999
 """Share of its largest effort from which a motor counts as at its limit [-]."""
 METER_STEPS = 2
@@ -32,6 +48,54 @@ WORK = "motor_work"
 """Output port of the diagram with the motors' work."""
 FIRST_FAILURE, FIRST_FAILURE_AT = "first_failure", "first_failure_at"
 """Figures of what failed first, and of the joint or foot concerned."""
+
+
+def run(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> None:
+    """Simulates until the scenario's duration ends or the robot falls."""
+    _until(sim, sim.scenario.duration)
+
+
+def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Walks straight ahead, and stands until the duration ends.
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``distance`` [m], ``speed`` [m/s], and of the gait ``stride`` [m],
+            ``step_duration`` [s] and ``swing_height`` [m]; the scenario's usual steps
+            for those left out.
+
+    Returns:
+        ``walk_ended``: True if the robot stands again.
+    """
+    desired = {
+        field: float(parameters[name])
+        for name, field in GAIT_PARAMETERS.items()
+        if name in parameters
+    }
+    gait = sim.scenario.controller_config().gait(**desired)
+    _until(sim, STANDING)
+    distance = float(parameters.get("distance", DISTANCE))
+    speed = float(parameters["speed"]) if "speed" in parameters else None
+    report = sim.atlas_sim_interface_state
+    steps = StepStream(steps_ahead(report, distance, gait, speed))
+    while not (sim.has_fallen or steps.is_over(sim.atlas_sim_interface_state)):
+        if sim.time >= sim.scenario.duration - 1e-9:
+            break
+        command = steps.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance_to(min(sim.time + PIECE, sim.scenario.duration))
+    _until(sim, sim.scenario.duration)
+    return {"walk_ended": sim.current_behavior is Behavior.STAND}
+
+
+def _until(sim: AtlasSimulation, end: float) -> None:
+    while sim.time < end - 1e-9 and not sim.has_fallen:
+        sim.advance_to(min(sim.time + PIECE, end))
+
+
+TRIALS: dict[str, Callable[..., Any]] = {"run": run, "walk": walk}
+"""Trial functions by name."""
 
 
 def success(sim: AtlasSimulation) -> Figures:
@@ -125,24 +189,16 @@ def ticks(sim: AtlasSimulation) -> Figures:
     }
 
 
-class FirstFailure:
+class FirstFailure(FailureWatch):
     """What failed first in a run, before a fall if there was one.
 
     Failures that follow each other within half a second belong together; the figures
     are those of the first one of the last group.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        """Watches a run from its start."""
-        self._watch = FailureWatch(robot)
-
-    def update(self, record: TickRecord) -> None:
-        """Takes the next record."""
-        self._watch.update(record)
-
     def result(self, sim: AtlasSimulation) -> Figures:
         """Returns kind, place and time of the failure."""
-        first = self._watch.first
+        first = self.first
         return {
             FIRST_FAILURE: NONE if first is None else first.kind,
             FIRST_FAILURE_AT: None if first is None else first.place or None,
