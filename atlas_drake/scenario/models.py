@@ -79,10 +79,7 @@ class Model(Configuration):
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Adds the models of the file to a plant that is not finalized yet.
 
-        Args:
-            plant: Plant to add to.
-            name: Name of the model, for a file with one model.
-            path: Path of this entry in its scenario, for errors.
+        A file's only model gets the ``name``; errors begin with the entry's ``path``.
         """
 
         def refusal(field: str, problem: str) -> ScenarioError:
@@ -147,18 +144,6 @@ def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> Rig
         )
         raise ScenarioError(path, None, problem)
     return bases[0]
-
-
-def models_beside(models: Any, folder: Path) -> Any:
-    """Returns the models of a YAML file with their files as seen from ``folder``."""
-
-    def beside(model: Any) -> Any:
-        file = model.get("file") if isinstance(model, Mapping) else None
-        if not isinstance(file, str) or not file or "://" in file:
-            return model
-        return {**model, "file": str((folder / file).absolute())}
-
-    return list(map(beside, models)) if isinstance(models, list) else models
 
 
 def world_of(models: Sequence[Model]) -> list[WorldMaker]:

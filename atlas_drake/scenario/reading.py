@@ -14,10 +14,8 @@ from typing import Any
 
 from atlas_drake.config import as_plain, checked, read_fields, read_file, read_yaml
 from atlas_drake.errors import ScenarioError
-from atlas_drake.robot import model_beside
-from atlas_drake.scenario.models import models_beside
 from atlas_drake.scenario.scenario import Scenario
-from atlas_drake.scenario.world_file import world_beside, world_from
+from atlas_drake.scenario.world_file import with_full_paths, world_from
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 
@@ -36,18 +34,6 @@ def load_scenario(path: str | Path) -> Scenario:
         return scenario_from(with_full_paths(raw, Path(path).parent))
     except ScenarioError as error:
         raise error.within(path) from None
-
-
-def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """Makes the files of robot, world and models relative to ``folder`` absolute."""
-    seen = dict(raw)
-    if isinstance(raw.get("model"), str):
-        seen["model"] = model_beside(raw["model"], folder)
-    if "world" in raw:
-        seen["world"] = world_beside(raw["world"], folder)
-    if "models" in raw:
-        seen["models"] = models_beside(raw["models"], folder)
-    return seen
 
 
 def scenario_from(

@@ -101,14 +101,7 @@ class Start(Configuration):
             )
 
     def check_behavior(self, behavior: Behavior) -> None:
-        """Checks that the robot can begin so.
-
-        Args:
-            behavior: The behavior that is active at the start.
-
-        Raises:
-            ScenarioError: If it cannot.
-        """
+        """Checks that the robot can begin so."""
         if self.on_gantry and behavior not in IN_THE_AIR:
             raise ScenarioError(
                 "initial_behavior",
@@ -241,14 +234,7 @@ class Scenario(CheckedOnce):
     __hash__ = None  # type: ignore[assignment]  # It holds lists.
 
     def resolved(self, behaviors: Iterable[BehaviorEntry] = ()) -> "Scenario":
-        """Returns a valid copy in which every field is as a simulation uses it.
-
-        Args:
-            behaviors: Entries of the user's own behaviors.
-
-        Raises:
-            ScenarioError: As ``validate`` does.
-        """
+        """Returns a valid copy in which every field is as a simulation uses it."""
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
@@ -269,11 +255,7 @@ class Scenario(CheckedOnce):
         ).mark_checked()
 
     def validate(self) -> "Scenario":
-        """Returns the scenario with every field checked and of its declared type.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the scenario with every field checked and of its declared type."""
         if self.is_checked:
             return self
         given = replace(self, world=self.surroundings())
@@ -368,11 +350,7 @@ class Scenario(CheckedOnce):
 def starting_behavior(
     value: object, name: str, catalog: BehaviorCatalog = SHIPPED
 ) -> Behavior:
-    """Finds a behavior that a run can start in; ``name`` names its field in errors.
-
-    Raises:
-        InvalidMessageError: If there is no such behavior, or a run cannot start in it.
-    """
+    """Finds a behavior that a run can start in; ``name`` names its field in errors."""
     behavior = catalog.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
