@@ -78,11 +78,21 @@ class _FileError(_FieldError):
 
     @classmethod
     def about(cls, field: str, value: object, problem: str) -> Self:
-        """Returns the error of a value that its message shows."""
+        """Returns the error of a value that its message shows.
+
+        Args:
+            field: Where the value stands.
+            value: The value.
+            problem: What is wrong with it.
+        """
         return cls(field, value, f"is {shown(value)}; {problem}")
 
     def within(self, file: object) -> Self:
-        """Returns the same error, whose message names the file, too."""
+        """Returns the same error, whose message names the file, too.
+
+        Args:
+            file: The file's path.
+        """
         return type(self)(self.field, self.value, f"{self.problem} (in {file})")
 
 

@@ -72,7 +72,10 @@ class Model(Configuration):
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Adds the models of the file to a plant that is not finalized yet.
 
-        A file's only model gets the ``name``; errors begin with the entry's ``path``.
+        Args:
+            plant: Plant to add to.
+            name: Name of the model, for a file with one model.
+            path: Path of this entry in its scenario, for errors.
         """
 
         def refusal(field: str, problem: str) -> ScenarioError:

@@ -67,7 +67,11 @@ class PlannedPush(Configuration):
             raise refuse("time", "given, or else phase, and not both")
 
     def force(self, heading: float) -> list[float]:
-        """The force in W [N]."""
+        """The force in W [N].
+
+        Args:
+            heading: Of the robot's pelvis when the push begins [rad].
+        """
         angle = self.direction + (heading if self.frame == "robot" else 0.0)
         size, up = self.impulse / self.duration, self.lift / self.duration
         return [size * math.cos(angle), size * math.sin(angle), up]

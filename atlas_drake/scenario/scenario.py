@@ -101,7 +101,11 @@ class Start(Configuration):
             )
 
     def check_behavior(self, behavior: Behavior) -> None:
-        """Checks that the robot can begin so."""
+        """Checks that the robot can begin so.
+
+        Args:
+            behavior: The behavior that is active at the start.
+        """
         if self.on_gantry and behavior not in IN_THE_AIR:
             raise ScenarioError(
                 "initial_behavior",
@@ -234,7 +238,11 @@ class Scenario(CheckedOnce):
     __hash__ = None  # type: ignore[assignment]  # It holds lists.
 
     def resolved(self, behaviors: Iterable[BehaviorEntry] = ()) -> "Scenario":
-        """Returns a valid copy in which every field is as a simulation uses it."""
+        """Returns a valid copy in which every field is as a simulation uses it.
+
+        Args:
+            behaviors: Entries of the user's own behaviors.
+        """
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
