@@ -39,16 +39,7 @@ def load_scenario(path: str | Path) -> Scenario:
 def scenario_from(
     fields: Mapping[str, Any], default: Scenario | None = None
 ) -> Scenario:
-    """Makes a scenario from the fields of a YAML file.
-
-    Args:
-        fields: Some or all fields, as YAML reads them.
-        default: Scenario with the values of omitted fields; None for the defaults. It
-            is not changed.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
-    """
+    """Makes a scenario from the fields of a YAML file; others are the default's."""
     base = Scenario() if default is None else default.validate()
     present = base.surroundings()
     if "world" in fields:
@@ -58,17 +49,7 @@ def scenario_from(
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
-    """Returns a scenario with some fields set as on the command line.
-
-    Args:
-        scenario: Scenario with the values of all other fields.
-        settings: Such as ``controller.gains.dcm_gain=2.5`` or
-            ``pushes[0].impulse=30``: path and value as in YAML; of two for one field
-            the later counts.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
+    """Returns a scenario with settings as ``pushes[0].impulse=30``; the last counts."""
     values: dict[str, Any] = {}
     for setting in settings:
         path, equals, text = setting.partition("=")
@@ -85,16 +66,7 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
 
 
 def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
-    """Returns a scenario with some fields set.
-
-    Args:
-        scenario: With all other fields.
-        values: As YAML has them, by path, such as ``jitter.mass`` or
-            ``terrain[1].friction``; set one after the other.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
+    """Returns a scenario with values by path, as YAML has them, one after the other."""
     fields: dict[str, Any] = {}
     known = replace(scenario, controller=scenario.controller_config())
     for path, value in values.items():
