@@ -60,7 +60,8 @@ def find_data_file(
     path = Path(given).expanduser().absolute()
     if path.suffix in _ENDINGS and path.is_file():
         return path
-    what = f"file {path}" if path.suffix in _ENDINGS else f"{field} {shown(str(given))}"
+    kind = "robot" if field == "model" else field
+    what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
     hint = did_you_mean(str(given), names)
     problem = f"must be one of {', '.join(names)}, or the path of a file (*.yaml)"
     raise fault(field, str(given), f"there is no {what};{hint} {problem}")
