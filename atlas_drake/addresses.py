@@ -12,9 +12,7 @@ LOCALHOST, ANYWHERE = "localhost", "*"
 def is_private(host: str) -> bool:
     """Returns True if this computer alone can reach a host.
 
-    Raises:
-        OSError: If there is no such host, or it is another computer.
-        ValueError: If no host can have that name.
+    Raises OSError or ValueError for a host that is not, or not this computer.
     """
     if host == ANYWHERE:
         return False

@@ -29,15 +29,8 @@ def why_not_writable(path: Path) -> str | None:
 
 
 def _resolved(path: Path) -> Path:
-    """Resolves the links of a path.
-
-    Raises:
-        OSError: If the links form a circle, which Python reports in several ways.
-    """
-    try:
-        target = path.resolve()
-    except RuntimeError:
-        target = path
+    """Resolves the links of a path; raises OSError if they form a circle."""
+    target = Path(os.path.realpath(path))
     if target.is_symlink():
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
     return target

@@ -12,7 +12,6 @@ import dataclasses
 import functools
 import inspect
 import itertools
-import math
 import re
 import textwrap
 import types
@@ -37,47 +36,28 @@ from pydantic_core import core_schema
 
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 
-_NOT_NUMBERS = (bool, np.bool_, np.timedelta64)
-"""Truth values, and durations, which numpy counts as integers."""
-
 
 def is_number(value: object) -> TypeGuard[Real]:
-    """Returns True if the type of a value is that of a real number."""
-    return isinstance(value, Real) and not isinstance(value, _NOT_NUMBERS)
+    """Returns True for a real number; a truth value is none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
-    """Returns True if the type of a value is that of a whole number."""
-    return isinstance(value, Integral) and not isinstance(value, _NOT_NUMBERS)
+    """Returns True for a number of an integer type; a truth value is none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def as_float(value: object) -> float | None:
-    """Converts a number to float, infinite if too large; returns None for others."""
-    if type(value) is float:
-        return value
-    if not is_number(value):
-        return None
+    """Converts a number to float; returns None for others and numbers too large."""
     try:
-        return float(value)
+        return float(value) if is_number(value) else None
     except OverflowError:
-        return math.inf if value > 0 else -math.inf  # type: ignore[operator]
-    except (TypeError, ValueError):
         return None
 
 
 def plain_number(value: object) -> object:
-    """Converts a number or truth value to Python's own; returns others unchanged.
-
-    A number beyond the range of a float is not changed, for a check to refuse.
-    """
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, (float, int)) or not is_number(value):
-        return value
-    if isinstance(value, Integral):
-        return int(value)
-    number = as_float(value)
-    return value if number is None or math.isinf(number) else number
+    """Converts a number or truth value of numpy's to Python's own, and no others."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 Positive = Annotated[float, Gt(0.0)]
@@ -226,16 +206,10 @@ _UNIT = re.compile(r"\[([^\[\],]+)\]")
 def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
     """Checks a value with all its parts, and converts it to its declared type.
 
-    Fractions, numpy's numbers and arrays become Python's own numbers and lists.
+    Numpy's numbers and arrays become Python's own numbers and lists.
 
-    Args:
-        kind: Declared type, such as a ``Configuration``.
-        given: A value of this type, or a mapping of some or all fields.
-        path: Path of the value, such as ``terrain[0]``; empty for the whole file.
-        base: Has the fields that a mapping leaves out; None for the defaults.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
+    ``path`` is the value's place in its file for errors, such as ``terrain[0]``;
+    ``base`` has the fields that a mapping leaves out, None stands for the defaults.
     """
     plain = as_plain(_defaults(kind) if base is None else base)
     try:
@@ -367,10 +341,6 @@ def joined(path: str, name: object) -> str:
     return f"{path}.{name}" if path else str(name)
 
 
-MOST_VALUES = 1_000_000
-"""Largest number of values in a YAML text; an alias counts as all that it names."""
-
-
 class _Loader(yaml.SafeLoader):
     """Refuses what would be read otherwise than it looks.
 
@@ -378,24 +348,14 @@ class _Loader(yaml.SafeLoader):
     """
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Composes a node, and counts the values within."""
+        """Composes a node; a node without an end is one that is still composed."""
         event = self.peek_event()
         node = super().compose_node(parent, index)
-        if isinstance(event, yaml.AliasEvent):
-            if not hasattr(node, "size"):
-                problem = f"the alias *{event.anchor} stands within what it names"
-                raise yaml.MarkedYAMLError(
-                    problem=problem, problem_mark=event.start_mark
-                )
-            return node
-        parts = node.value if isinstance(node.value, list) else []
+        if node.end_mark is None:
+            problem = f"the alias *{event.anchor} stands within what it names"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
         if isinstance(node, yaml.MappingNode):
             _check_keys(node)
-            parts = [part for pair in parts for part in pair]
-        node.size = 1 + sum(part.size for part in parts)
-        if node.size > MOST_VALUES:
-            problem = f"there are more than {MOST_VALUES} values"
-            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
         return node
 
     def construct_tagged(self, tag: str, node: Any) -> dict[str, Any]:
@@ -433,10 +393,7 @@ def read_yaml(text: str) -> Any:
 
     Keys of the whole text that begin with an underscore hold parts for aliases, and are
     left out.
-
-    Raises:
-        ValueError: In one line with the line's number, if the text is not YAML, has a
-            key twice or one that is no text, or an alias without an end.
+    A fault raises a ValueError, in one line with the line's number.
     """
     try:
         found = yaml.load(text, Loader=_Loader)
@@ -454,11 +411,7 @@ def read_yaml(text: str) -> Any:
 
 
 def read_file(path: str | Path) -> str:
-    """Reads a text file.
-
-    Raises:
-        ScenarioError: If there is no text.
-    """
+    """Reads a text file."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -466,11 +419,7 @@ def read_file(path: str | Path) -> str:
 
 
 def read_fields(text: str, example: str) -> dict[str, Any]:
-    """Reads a YAML text of a mapping; ``example`` shows one of its fields.
-
-    Raises:
-        ScenarioError: If it is no mapping.
-    """
+    """Reads a YAML text of a mapping; ``example`` shows one of its fields."""
     try:
         raw = read_yaml(text)
     except ValueError as error:
@@ -482,11 +431,7 @@ def read_fields(text: str, example: str) -> dict[str, Any]:
 
 @functools.cache
 def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
-    """Returns the string after each assignment in a class or a module, by name.
-
-    Raises:
-        OSError: If there is no source.
-    """
+    """Returns the string after each assignment in a class or a module, by name."""
     body: list[ast.stmt] = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
     if isinstance(body[0], ast.ClassDef) and inspect.isclass(owner):
         body = body[0].body

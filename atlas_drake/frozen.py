@@ -40,9 +40,6 @@ def replace(value: _T, **changes: Any) -> _T:
 
     Works as ``dataclasses.replace`` at a tenth of its cost, which matters in each
     control tick. ``__post_init__`` is not run, and cached properties are not copied.
-
-    Raises:
-        TypeError: If there is no such field.
     """
     fields = value.__dict__
     declared = value.__dataclass_fields__  # type: ignore[attr-defined]

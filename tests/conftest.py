@@ -16,7 +16,8 @@ import pytest
 from pydrake.common.value import AbstractValue, Value
 
 from atlas_drake import AtlasCommand, StepStream
-from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
+from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.robot import LOCAL_MODELS, load_robot
 
 from .filled import filled
 
@@ -47,9 +48,15 @@ def load_or_skip():
     """Loads a robot by name; skips the test if its files are not available offline."""
 
     def load(name):
-        if name == "drake_atlas" and not models_at_hand():
-            pytest.skip(f"Drake's models are not in its cache; {LOCAL_MODELS} is unset")
-        return load_robot(name)
+        with pytest.MonkeyPatch.context() as patch:
+            if name == "drake_atlas":
+                patch.setenv("DRAKE_ALLOW_NETWORK", "none")
+            try:
+                return load_robot(name)
+            except RobotDescriptionError as error:
+                if LOCAL_MODELS in error.problem:
+                    pytest.skip("Drake's models are not in its cache")
+                raise
 
     return load
 

@@ -1,7 +1,6 @@
 """YAML as users write it, and the checks of what is read."""
 
 import dataclasses
-import time
 from typing import Annotated
 
 import numpy as np
@@ -13,7 +12,6 @@ from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.campaigns import load_campaign
 from atlas_drake.config import (
-    MOST_VALUES,
     Configuration,
     LeastGreatest,
     Positive,
@@ -67,9 +65,6 @@ def test_parts_for_aliases_and_tags_are_read_as_drake_reads_them():
     assert read_yaml("") is None
 
 
-LAUGHS = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
-    f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]\n" for k in range(1, 12)
-)
 FAULTS = {
     "duration: 1\nname: x\nduration: 2\n": ("line 3", "duration", "twice"),
     "start:\n  {yaw: 1, yaw: 2}\n": ("line 2", "yaw", "twice"),
@@ -79,7 +74,6 @@ FAULTS = {
     "? [1, 2]\n: 3\n": ("line 1", "no text"),
     "a: 1\nb: &all\n  - {c: *all}\n": ("line 3", "*all", "within"),
     "a: &a {<<: *a}\n": ("line 1", "*a", "within"),
-    LAUGHS: (str(MOST_VALUES), "values"),
     "a: 1\nb: [\n": ("line 3",),
     "a: *none\n": ("line 1", "none"),
     "a: \x00": ("special characters",),
@@ -92,10 +86,8 @@ FAULTS = {
 def test_a_faulty_file_is_refused_in_one_line(load, text, tmp_path):
     path = tmp_path / "faulty.yaml"
     path.write_text(text)
-    begin = time.monotonic()
     with pytest.raises(AtlasError) as error:
         load(path)
-    assert time.monotonic() - begin < 2.0
     said = str(error.value)
     assert "\n" not in said
     assert all(words in said for words in (str(path), *FAULTS[text]))

@@ -37,11 +37,6 @@ def test_errors_say_where_and_what():
     assert ERRORS[0].error_code is ErrorCode.UNSPECIFIED
 
 
-def test_a_message_error_is_out_of_range_unless_it_says_otherwise():
-    error = InvalidMessageError("position", None, "must be a list")
-    assert error.error_code is ErrorCode.VALUE_OUT_OF_RANGE
-
-
 def test_suggestions():
     assert did_you_mean("atlsa", ["atlas", "atlas_v3"]) == " Did you mean 'atlas'?"
     assert did_you_mean("zebra", ["atlas", "atlas_v3"]) == ""

@@ -25,7 +25,7 @@ from atlas_drake.scenario.differences import (
     changed_fields,
     scenario_yaml,
 )
-from atlas_drake.scenario.reading import with_full_paths
+from atlas_drake.scenario.world_file import with_full_paths
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

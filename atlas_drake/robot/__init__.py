@@ -23,7 +23,7 @@ from atlas_drake.robot.load import (
     model_beside,
     read_robot_file,
 )
-from atlas_drake.robot.parsing import LOCAL_MODELS, models_at_hand
+from atlas_drake.robot.parsing import LOCAL_MODELS
 from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
 
 __all__ = [
@@ -48,6 +48,5 @@ __all__ = [
     "find_robot",
     "load_robot",
     "model_beside",
-    "models_at_hand",
     "read_robot_file",
 ]

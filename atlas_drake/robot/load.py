@@ -7,7 +7,7 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,6 @@ from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.config import checked, read_fields, read_file
 from atlas_drake.errors import (
-    AtlasError,
     RobotDescriptionError,
     ScenarioError,
     did_you_mean,
@@ -52,8 +51,8 @@ def find_data_file(
     given: str | Path,
     folder: Path,
     names: Sequence[str],
-    kind: str,
-    fault: Callable[[str], AtlasError],
+    field: str,
+    fault: type[RobotDescriptionError | ScenarioError],
 ) -> Path:
     """Returns the YAML file of a name in a folder, or of a path; raises a ``fault``."""
     if str(given) in names:
@@ -61,12 +60,11 @@ def find_data_file(
     path = Path(given).expanduser().absolute()
     if path.suffix in _ENDINGS and path.is_file():
         return path
+    kind = "robot" if field == "model" else field
     what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
     hint = did_you_mean(str(given), names)
-    raise fault(
-        f"there is no {what};{hint} must be one of {', '.join(names)}, or the path of "
-        f"a file ({' or '.join('*' + ending for ending in _ENDINGS)})",
-    )
+    problem = f"must be one of {', '.join(names)}, or the path of a file (*.yaml)"
+    raise fault(field, str(given), f"there is no {what};{hint} {problem}")
 
 
 def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:
@@ -78,8 +76,8 @@ def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:
 
 def find_robot(model: str | Path) -> Path:
     """Returns the YAML file of a robot, absolute."""
-    fault = functools.partial(RobotDescriptionError, "model", str(model))
-    return find_data_file(model, MODELS_FOLDER, available_robots(), "robot", fault)
+    names = available_robots()
+    return find_data_file(model, MODELS_FOLDER, names, "model", RobotDescriptionError)
 
 
 def model_beside(model: str, folder: Path) -> str:
@@ -111,9 +109,8 @@ def _naming(path: Path) -> Iterator[None]:
     try:
         yield
     except (RobotDescriptionError, ScenarioError) as error:
-        raise RobotDescriptionError(
-            error.field, error.value, f"{error.problem} (in {path})"
-        ) from None
+        problem = f"{error.problem} (in {path})"
+        raise RobotDescriptionError(error.field, error.value, problem) from None
 
 
 def _load(path: Path, name: str | None, file: RobotFile) -> Robot:

@@ -57,45 +57,23 @@ def find_urdf(folder: Path, urdf: str) -> Path:
     return path
 
 
-def models_at_hand() -> bool:
-    """Returns True if Drake's models are available without the network."""
-    local = _local_models()
-    if local is not None:
-        return local.is_dir()
-    # Drake's own order. If the cache holds another version, Drake fetches its own.
-    places = (("TEST_TMPDIR", ".cache"), ("XDG_CACHE_HOME", ""), ("HOME", ".cache"))
-    caches = [
-        Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)
-    ]
-    return any(any(cache.glob("drake/package_map/*/atlas")) for cache in caches)
-
-
-def _local_models() -> Path | None:
-    named = os.environ.get(LOCAL_MODELS)
-    return Path(named).expanduser().absolute() if named else None
-
-
 def _add_packages(packages: PackageMap, file: Path | None) -> None:
     """Adds a local copy of Drake's models, the package above a file, and ROS' ones."""
-    local = _local_models()
-    if local is not None and local.is_dir():
+    local = os.environ.get(LOCAL_MODELS)
+    if local and (folder := Path(local).expanduser().absolute()).is_dir():
         packages.Remove(_MODELS)
-        packages.Add(_MODELS, str(local))
-    folders = [] if file is None else file.absolute().parents
-    manifests = (folder / "package.xml" for folder in folders)
-    nearest = next(filter(Path.is_file, manifests), None)
-    if nearest is not None:
-        packages.AddPackageXml(str(nearest))
+        packages.Add(_MODELS, str(folder))
+    for folder in file.absolute().parents if file else ():
+        if (manifest := folder / "package.xml").is_file():
+            packages.AddPackageXml(str(manifest))
+            break
     packages.PopulateFromRosPackagePath()
 
 
 def parse(plant: MultibodyPlant, file: str | Path) -> list[ModelInstanceIndex]:
     """Adds the models of a path or a ``package://`` URL to a plant before Finalize.
 
-    Models whose name is taken get another one.
-
-    Raises:
-        RuntimeError: In one line, if the file or a mesh is missing or faulty.
+    Models whose name is taken get another one. A fault is a RuntimeError of one line.
     """
     parser = Parser(plant)
     parser.SetAutoRenaming(True)

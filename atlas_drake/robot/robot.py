@@ -69,10 +69,6 @@ class JointConstants:
         hint = did_you_mean(name, vars(self))
         raise AttributeError(f"the robot has no joint {name!r}.{hint}")
 
-    def __setattr__(self, name: str, value: object) -> None:
-        """Refuses every change."""
-        raise AttributeError(f"{name}: the joints of a robot are constants")
-
 
 @dataclass(frozen=True)
 class Robot:

@@ -6,13 +6,13 @@ Callables that add models to a plant are in ``world``.
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 from annotated_types import Len
-from pydantic_core import core_schema
+from pydantic import PlainValidator
 from pydrake.common.schema import Transform
 from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load_typed
 from pydrake.math import RigidTransform
@@ -27,34 +27,27 @@ from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
 
 
-class Pose:
-    """Annotation of a field that holds Drake's ``Transform``."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Describes to pydantic how a pose is read; its rotation has several forms."""
-        return core_schema.no_info_plain_validator_function(_pose)
-
-
 @as_plain.register
 def _(pose: Transform) -> Any:
     return read_yaml(yaml_dump_typed(pose))
 
 
 def _pose(value: Any) -> Transform:
+    """Reads a pose as Drake does: its rotation has several forms."""
     if isinstance(value, Transform):
         return value
+    if isinstance(value, RigidTransform):
+        return Transform(value)
     try:
-        if isinstance(value, RigidTransform):
-            return Transform(value)
-        if isinstance(value, Mapping):
-            text = yaml_dump(dict(value))
-            pose: Transform = yaml_load_typed(schema=Transform, data=text)
-            return pose
+        pose: Transform = yaml_load_typed(schema=Transform, data=yaml_dump(value))
     except Exception as error:  # Drake raises several kinds.
-        why = str(error).partition("\n")[0].removeprefix("(): ")
-        raise ValueError(f"is {shown(value)}: {why}") from error
-    wanted = "a pose, such as {translation: [1.0, 0.0, 0.5]}"
-    raise ValueError(f"is {shown(value)}; must be {wanted}")
+        why = " ".join(str(error).split())
+        raise ValueError(f"is {shown(value)}; must be a pose: {why}") from error
+    return pose
+
+
+Pose = Annotated[Transform, PlainValidator(_pose)]
+"""A pose in Drake's schema."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +59,7 @@ class Model(Configuration):
     scenario's file; or a URI such as ``package://drake_models/...``."""
     name: str = ""
     """Name of the model in the plant; the file's name if left out."""
-    X_WB: Annotated[Transform, Pose()] | None = None
+    X_WB: Pose | None = None
     """Pose of the model's base body in W, a ``Transform`` of Drake's schema, such as
     ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null for the pose
     in the file."""
@@ -147,18 +140,6 @@ def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> Rig
         )
         raise ScenarioError(path, None, problem)
     return bases[0]
-
-
-def models_beside(models: Any, folder: Path) -> Any:
-    """Returns the models of a YAML file with their files as seen from ``folder``."""
-
-    def beside(model: Any) -> Any:
-        file = model.get("file") if isinstance(model, Mapping) else None
-        if not isinstance(file, str) or not file or "://" in file:
-            return model
-        return {**model, "file": str((folder / file).absolute())}
-
-    return list(map(beside, models)) if isinstance(models, list) else models
 
 
 def world_of(models: Sequence[Model]) -> list[WorldMaker]:

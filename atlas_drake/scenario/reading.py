@@ -14,10 +14,8 @@ from typing import Any
 
 from atlas_drake.config import as_plain, checked, read_fields, read_file, read_yaml
 from atlas_drake.errors import ScenarioError
-from atlas_drake.robot import model_beside
-from atlas_drake.scenario.models import models_beside
 from atlas_drake.scenario.scenario import Scenario
-from atlas_drake.scenario.world_file import world_beside, world_from
+from atlas_drake.scenario.world_file import with_full_paths, world_from
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 
@@ -38,31 +36,10 @@ def load_scenario(path: str | Path) -> Scenario:
         raise error.within(path) from None
 
 
-def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """Makes the files of robot, world and models relative to ``folder`` absolute."""
-    seen = dict(raw)
-    if isinstance(raw.get("model"), str):
-        seen["model"] = model_beside(raw["model"], folder)
-    if "world" in raw:
-        seen["world"] = world_beside(raw["world"], folder)
-    if "models" in raw:
-        seen["models"] = models_beside(raw["models"], folder)
-    return seen
-
-
 def scenario_from(
     fields: Mapping[str, Any], default: Scenario | None = None
 ) -> Scenario:
-    """Makes a scenario from the fields of a YAML file.
-
-    Args:
-        fields: Some or all fields, as YAML reads them.
-        default: Scenario with the values of omitted fields; None for the defaults. It
-            is not changed.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be used.
-    """
+    """Makes a scenario from the fields of a YAML file; others are the default's."""
     base = Scenario() if default is None else default.validate()
     present = base.surroundings()
     if "world" in fields:
@@ -72,17 +49,7 @@ def scenario_from(
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
-    """Returns a scenario with some fields set as on the command line.
-
-    Args:
-        scenario: Scenario with the values of all other fields.
-        settings: Such as ``controller.gains.dcm_gain=2.5`` or
-            ``pushes[0].impulse=30``: path and value as in YAML; of two for one field
-            the later counts.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
+    """Returns a scenario with settings as ``pushes[0].impulse=30``; the last counts."""
     values: dict[str, Any] = {}
     for setting in settings:
         path, equals, text = setting.partition("=")
@@ -99,16 +66,7 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
 
 
 def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
-    """Returns a scenario with some fields set.
-
-    Args:
-        scenario: With all other fields.
-        values: As YAML has them, by path, such as ``jitter.mass`` or
-            ``terrain[1].friction``; set one after the other.
-
-    Raises:
-        ScenarioError: Naming the first field that cannot be set.
-    """
+    """Returns a scenario with values by path, as YAML has them, one after the other."""
     fields: dict[str, Any] = {}
     known = replace(scenario, controller=scenario.controller_config())
     for path, value in values.items():

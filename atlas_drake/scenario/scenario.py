@@ -105,9 +105,6 @@ class Start(Configuration):
 
         Args:
             behavior: The behavior that is active at the start.
-
-        Raises:
-            ScenarioError: If it cannot.
         """
         if self.on_gantry and behavior not in IN_THE_AIR:
             raise ScenarioError(
@@ -245,9 +242,6 @@ class Scenario(CheckedOnce):
 
         Args:
             behaviors: Entries of the user's own behaviors.
-
-        Raises:
-            ScenarioError: As ``validate`` does.
         """
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
@@ -269,11 +263,7 @@ class Scenario(CheckedOnce):
         ).mark_checked()
 
     def validate(self) -> "Scenario":
-        """Returns the scenario with every field checked and of its declared type.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+        """Returns the scenario with every field checked and of its declared type."""
         if self.is_checked:
             return self
         given = replace(self, world=self.surroundings())
@@ -368,11 +358,7 @@ class Scenario(CheckedOnce):
 def starting_behavior(
     value: object, name: str, catalog: BehaviorCatalog = SHIPPED
 ) -> Behavior:
-    """Finds a behavior that a run can start in; ``name`` names its field in errors.
-
-    Raises:
-        InvalidMessageError: If there is no such behavior, or a run cannot start in it.
-    """
+    """Finds a behavior that a run can start in; ``name`` names its field in errors."""
     behavior = catalog.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:

@@ -60,11 +60,7 @@ class TimedMessage(Configuration):
         path: str,
         catalog: BehaviorCatalog = SHIPPED,
     ) -> AtlasCommand | AtlasSimInterfaceCommand:
-        """Returns the message for a robot; ``path`` is its place in the scenario.
-
-        Raises:
-            ScenarioError: If the robot would refuse the message; it names the field.
-        """
+        """Returns the message for a robot; ``path`` is its place in the scenario."""
         made = self._made(robot.num_joints, path)
         with self._naming(path):
             if isinstance(made, AtlasSimInterfaceCommand):

@@ -6,7 +6,6 @@ path. What callables add to a plant is in ``world``.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -24,9 +23,10 @@ from atlas_drake.robot.load import (
     MODELS_FOLDER,
     file_beside,
     find_data_file,
+    model_beside,
     names_in,
 )
-from atlas_drake.scenario.models import Model, models_beside
+from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
 from atlas_drake.scenario.terrain import Block, Place
 
@@ -102,40 +102,41 @@ def available_worlds() -> list[str]:
     return names_in(WORLDS_FOLDER, DEFAULT_WORLD)
 
 
-def world_beside(world: Any, folder: Path) -> Any:
-    """Returns what a scenario's file says of its world, with paths from ``folder``."""
+def with_full_paths(raw: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Makes the paths in the fields of a scenario or a world absolute from a folder."""
+    seen = dict(raw)
+    model, world, models = map(raw.get, ("model", "world", "models"))
+    if isinstance(model, str):
+        seen["model"] = model_beside(model, folder)
     if isinstance(world, str):
-        return file_beside(world, folder, available_worlds())
-    if not isinstance(world, Mapping):
-        return world
-    seen = dict(world)
-    if "name" in world:
-        seen["name"] = world_beside(world["name"], folder)
-    if "models" in world:
-        seen["models"] = models_beside(world["models"], folder)
+        seen["world"] = file_beside(world, folder, available_worlds())
+    if isinstance(world, Mapping):
+        seen["world"] = with_full_paths(world, folder)
+        if isinstance(name := world.get("name"), str):
+            seen["world"]["name"] = file_beside(name, folder, available_worlds())
+    if isinstance(models, list):
+        seen["models"] = [_with_full_path(one, folder) for one in models]
     return seen
 
 
+def _with_full_path(model: Any, folder: Path) -> Any:
+    file = model.get("file") if isinstance(model, Mapping) else None
+    if not isinstance(file, str) or not file or "://" in file:
+        return model
+    return {**model, "file": str((folder / file).absolute())}
+
+
 def load_world(name: str | Path = DEFAULT_WORLD) -> World:
-    """Reads one world.
-
-    Args:
-        name: From ``available_worlds``, or the path of a YAML file, relative to the
-            working folder.
-
-    Raises:
-        ScenarioError: If there is no such world, or its file is faulty.
-    """
+    """Reads one world."""
     names = available_worlds()
-    fault = functools.partial(ScenarioError, "world", str(name))
-    path = find_data_file(name, WORLDS_FOLDER, names, "world", fault)
+    path = find_data_file(name, WORLDS_FOLDER, names, "world", ScenarioError)
     try:
         raw = read_fields(read_file(path), "boxes: []")
         if "name" in raw:
             problem = "is not for the file: the file's own name is it"
             raise ScenarioError("world.name", raw["name"], problem)
         known = str(name) if str(name) in names else str(path)
-        raw = world_beside(raw, path.parent) | {"name": known}
+        raw = with_full_paths(raw, path.parent) | {"name": known}
         world: World = checked(World, raw, "world")
     except ScenarioError as error:
         raise error.within(path) from None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from build_models import build
 from robot_models.appearance_limbs import LEG
@@ -9,8 +11,7 @@ from robot_models.collisions import FILTER_GROUPS
 from robot_models.skeleton import LINKS, SOLE_CENTER
 from robot_models.triangles import merge
 
-from .conftest import MODELS
-
+MODELS = Path(__file__).parents[2] / "models"
 LARGEST_MESH = 250_000
 """Size that no mesh file may exceed [bytes]."""
 

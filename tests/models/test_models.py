@@ -1,11 +1,15 @@
 """The URDF files as Drake loads them: actuators, frames, contact and symmetry."""
 
-from __future__ import annotations
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from pydrake.geometry import Role, Sphere
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
+
+from atlas_drake.robot import load_robot
 
 LEG = ("leg_hpz", "leg_hpx", "leg_hpy", "leg_kny", "leg_aky", "leg_akx")
 ARM = ("arm_shy", "arm_shx", "arm_ely", "arm_elx", "arm_wry", "arm_wrx")
@@ -18,171 +22,176 @@ JOINT_ORDER = (
 )
 LEG_EFFORTS = (110, 180, 260, 220, 700, 90)
 ARM_EFFORTS = (212, 170, 114, 114, 114, 60)
-EFFORT_LIMITS = (
-    *(124.016, 206.843, 200, 5),
-    *(LEG_EFFORTS * 2),
-    *(ARM_EFFORTS * 2),
-)
+EFFORT_LIMITS = (124.016, 206.843, 200, 5, *(LEG_EFFORTS * 2), *(ARM_EFFORTS * 2))
 MOST_COLLISION_CANDIDATES = 60
 """Candidate pairs cost time at every step; this many are looked at today."""
+STAND_PREP = load_robot().stand_prep
 
 REFLECTION = np.diag([1.0, -1.0, 1.0])
+FRAMES = {
+    "imu": ("pelvis", [0.0599, 0.0, -0.01415]),
+    "l_sole": ("l_foot", [0.048, 0.0, -0.081119]),
+    "r_sole": ("r_foot", [0.048, 0.0, -0.081119]),
+}
 
 
-def _mirror_sign(joint: str) -> int:
+@pytest.fixture(params=["atlas", "atlas_v3"], scope="module")
+def robot(request):
+    """Each robot in turn in a diagram of its own; each test sets the pose it needs."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.002)
+    instance = load_robot(request.param).add_to(plant)
+    plant.Finalize()
+    diagram = builder.Build()
+    root = diagram.CreateDefaultContext()
+    context = plant.GetMyMutableContextFromRoot(root)
+    query_port = plant.get_geometry_query_input_port()
+
+    def set_pose(positions):
+        q = np.zeros(plant.num_positions())
+        q[0] = 1.0
+        for name, value in zip(JOINT_ORDER, positions, strict=True):
+            q[plant.GetJointByName(name).position_start()] = value
+        plant.SetPositions(context, q)
+
+    def colliding():
+        """Returns the pairs of links that penetrate each other."""
+        query = query_port.Eval(context)
+        frame = query.inspector().GetFrameId
+        return [
+            tuple(
+                sorted(
+                    plant.GetBodyFromFrameId(frame(g)).name() for g in (p.id_A, p.id_B)
+                )
+            )
+            for p in query.ComputePointPairPenetration()
+        ]
+
+    return SimpleNamespace(
+        diagram=diagram,
+        plant=plant,
+        inspector=scene_graph.model_inspector(),
+        bodies=[*map(plant.get_body, plant.GetBodyIndices(instance))],
+        context=context,
+        set_pose=set_pose,
+        colliding=colliding,
+    )
+
+
+def mirror_sign(joint):
     return 1 if joint.endswith("y") else -1  # Ends in its axis: x, y or z.
 
 
-def _other_side(name: str) -> str:
-    swapped = {"l_": "r_", "r_": "l_"}
-    return swapped.get(name[:2], name[:2]) + name[2:]
+def other_side(name):
+    return {"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]
 
 
-def test_actuators_come_in_message_order(robot):
-    assert tuple(a.name() for a in robot.actuators) == JOINT_ORDER
-    assert tuple(a.joint().name() for a in robot.actuators) == JOINT_ORDER
-
-
-def test_effort_limits(robot):
-    limits = [actuator.effort_limit() for actuator in robot.actuators]
-    np.testing.assert_array_equal(limits, EFFORT_LIMITS)
-
-
-def test_robot_is_one_floating_tree(robot):
+def test_actuators_come_in_message_order_on_one_floating_tree(robot):
     plant = robot.plant
-    assert plant.GetModelInstanceName(robot.instance) == robot.name
-    assert plant.num_actuators() == 28
+    actuators = [*map(plant.get_joint_actuator, plant.GetJointActuatorIndices())]
+    assert tuple(one.name() for one in actuators) == JOINT_ORDER
+    assert tuple(one.joint().name() for one in actuators) == JOINT_ORDER
+    assert tuple(one.effort_limit() for one in actuators) == EFFORT_LIMITS
     assert (plant.num_positions(), plant.num_velocities()) == (35, 34)
     assert plant.num_bodies() == 1 + 29  # Nothing but the world and the links.
-    assert plant.GetUniqueFloatingBaseBodyOrThrow(robot.instance).name() == "pelvis"
+    (base,) = plant.GetFloatingBaseBodies()
+    assert plant.get_body(base).name() == "pelvis"
 
 
-def test_frames(robot):
-    context = robot.plant.CreateDefaultContext()
-    expected = {
-        "imu": ("pelvis", [0.0599, 0.0, -0.01415]),
-        "l_sole": ("l_foot", [0.048, 0.0, -0.081119]),
-        "r_sole": ("r_foot", [0.048, 0.0, -0.081119]),
-    }
-    for name, (link, position) in expected.items():
+def test_frames_are_where_the_original_has_them(robot):
+    for name, (link, position) in FRAMES.items():
         frame = robot.plant.GetFrameByName(name)
         assert frame.body().name() == link
-        X_LF = frame.CalcPoseInBodyFrame(context)
+        X_LF = frame.CalcPoseInBodyFrame(robot.context)
         np.testing.assert_array_equal(X_LF.translation(), position)
         assert X_LF.rotation().IsExactlyIdentity()
 
 
 def test_feet_are_four_spheres_each_with_their_friction(robot):
-    inspector = robot.scene_graph.model_inspector()
     for side in "lr":
         foot = robot.plant.GetBodyByName(f"{side}_foot")
         geometries = robot.plant.GetCollisionGeometriesForBody(foot)
         assert len(geometries) == 4
         for geometry in geometries:
-            shape = inspector.GetShape(geometry)
+            shape = robot.inspector.GetShape(geometry)
             assert isinstance(shape, Sphere)
             assert shape.radius() == 0.01
-            properties = inspector.GetProximityProperties(geometry)
+            properties = robot.inspector.GetProximityProperties(geometry)
             friction = properties.GetProperty("material", "coulomb_friction")
-            assert friction.static_friction() == 0.9
-            assert friction.dynamic_friction() == 0.9
+            assert friction.static_friction() == friction.dynamic_friction() == 0.9
             assert not properties.HasGroup("hydroelastic")
 
 
-def test_every_link_is_drawn(robot):
-    inspector = robot.scene_graph.model_inspector()
-    for index in robot.plant.GetBodyIndices(robot.instance):
-        body = robot.plant.get_body(index)
-        frame = robot.plant.GetBodyFrameIdOrThrow(index)
+def test_every_link_is_drawn_and_few_pairs_of_shapes_can_collide(robot):
+    for body in robot.bodies:
+        frame = robot.plant.GetBodyFrameIdOrThrow(body.index())
         for role in (Role.kIllustration, Role.kPerception):
-            assert inspector.NumGeometriesForFrameWithRole(frame, role) == 1, (
-                body.name()
-            )
+            drawn = robot.inspector.NumGeometriesForFrameWithRole(frame, role)
+            assert drawn == 1, body.name()
+    candidates = robot.inspector.GetCollisionCandidates()
+    assert 0 < len(candidates) <= MOST_COLLISION_CANDIDATES
 
 
 def test_limbs_mirror_each_other_in_motion(robot):
-    generator = np.random.default_rng(0)
-    lower = [a.joint().position_lower_limit() for a in robot.actuators]
-    upper = [a.joint().position_upper_limit() for a in robot.actuators]
-    pose = generator.uniform(lower, upper)
-    index = {name: i for i, name in enumerate(JOINT_ORDER)}
-    mirrored = np.array(
-        [_mirror_sign(name) * pose[index[_other_side(name)]] for name in JOINT_ORDER]
+    joints = [robot.plant.GetJointByName(name) for name in JOINT_ORDER]
+    pose = np.random.default_rng(0).uniform(
+        [joint.position_lower_limit() for joint in joints],
+        [joint.position_upper_limit() for joint in joints],
     )
+    by_name = dict(zip(JOINT_ORDER, pose, strict=True))
+    mirrored = [mirror_sign(name) * by_name[other_side(name)] for name in JOINT_ORDER]
 
-    def poses(positions: np.ndarray) -> dict[str, RigidTransform]:
-        robot.set_pose(positions, RigidTransform())
-        bodies = map(robot.plant.get_body, robot.plant.GetBodyIndices(robot.instance))
-        return {
-            body.name(): robot.plant.EvalBodyPoseInWorld(robot.plant_context, body)
-            for body in bodies
-        }
+    def poses(positions):
+        robot.set_pose(positions)
+        evaluate = robot.plant.EvalBodyPoseInWorld
+        return {body.name(): evaluate(robot.context, body) for body in robot.bodies}
 
     before, after = poses(pose), poses(mirrored)
     assert len(before) == 29
     for link, X_WL in before.items():
-        image = after[_other_side(link)]
-        p_WL, R_WL = X_WL.translation(), X_WL.rotation().matrix()
-        np.testing.assert_allclose(image.translation(), REFLECTION @ p_WL, atol=1e-12)
-        np.testing.assert_allclose(
-            image.rotation().matrix(), REFLECTION @ R_WL @ REFLECTION, atol=1e-12
-        )
+        R = REFLECTION @ X_WL.rotation().matrix() @ REFLECTION
+        image = RigidTransform(np.c_[R, REFLECTION @ X_WL.translation()])
+        assert after[other_side(link)].IsNearlyEqualTo(image, 1e-12), link
 
 
 def test_limbs_mirror_each_other_in_limits_and_inertia(robot):
-    plant, context = robot.plant, robot.plant.CreateDefaultContext()
     for name in (name for name in JOINT_ORDER if name.startswith("l_")):
-        left, right = (plant.GetJointByName(n) for n in (name, _other_side(name)))
+        left, right = map(robot.plant.GetJointByName, (name, other_side(name)))
         ends = (left.position_lower_limit(), left.position_upper_limit())
-        image = sorted(_mirror_sign(name) * end for end in ends)
-        assert right.position_lower_limit() == image[0], name
-        assert right.position_upper_limit() == image[1], name
-
-        bodies = (left.child_body(), right.child_body())
-        M_left, M_right = (b.CalcSpatialInertiaInBodyFrame(context) for b in bodies)
+        image = sorted(mirror_sign(name) * end for end in ends)
+        assert [right.position_lower_limit(), right.position_upper_limit()] == image
+        M_left, M_right = (
+            joint.child_body().default_spatial_inertia() for joint in (left, right)
+        )
         assert M_left.get_mass() == M_right.get_mass()
         np.testing.assert_array_equal(M_right.get_com(), REFLECTION @ M_left.get_com())
-        np.testing.assert_allclose(
-            M_right.CalcRotationalInertia().CopyToFullMatrix3(),
-            REFLECTION
-            @ M_left.CalcRotationalInertia().CopyToFullMatrix3()
-            @ REFLECTION,
-            atol=1e-15,
+        I_left, I_right = (
+            M.CalcRotationalInertia().CopyToFullMatrix3() for M in (M_left, M_right)
         )
+        image = REFLECTION @ I_left @ REFLECTION
+        np.testing.assert_allclose(I_right, image, atol=1e-15)
 
 
-def test_few_pairs_of_shapes_can_collide(robot):
-    candidates = robot.scene_graph.model_inspector().GetCollisionCandidates()
-    assert 0 < len(candidates) <= MOST_COLLISION_CANDIDATES
-
-
-def test_no_self_collision_between_zero_and_stand_prep_pose(robot, stand_prep):
-    for share in np.linspace(0.0, 1.0, 21):
-        robot.set_pose(share * stand_prep, RigidTransform())
-        assert robot.colliding() == [], f"at {share:.2f} of the way"
-
-
-def test_no_self_collision_within_reach_of_a_walk(robot, stand_prep):
+def test_no_self_collision_from_zero_to_stand_prep_and_within_reach_of_a_walk(robot):
+    poses = [share * STAND_PREP for share in np.linspace(0.0, 1.0, 21)]
     # How far joints stray from the stand-prep pose in a walk [rad].
     reach = dict.fromkeys(JOINT_ORDER, 0.15)
-    reach |= {f"{side}_leg_hpx": 0.05 for side in "lr"}
-    reach |= {f"{side}_leg_hpz": 0.05 for side in "lr"}
-    reach |= {f"{side}_leg_hpy": 0.60 for side in "lr"}
-    reach |= {f"{side}_leg_kny": 0.50 for side in "lr"}
-    reach |= {f"{side}_leg_aky": 0.50 for side in "lr"}
+    for side in "lr":
+        leg = zip(LEG, (0.05, 0.05, 0.60, 0.50, 0.50, 0.15), strict=True)
+        reach |= {f"{side}_{joint}": value for joint, value in leg}
     spans = np.array([reach[name] for name in JOINT_ORDER])
     generator = np.random.default_rng(1)
-    for _ in range(200):
-        pose = stand_prep + generator.uniform(-spans, spans)
-        robot.set_pose(pose, RigidTransform())
+    poses += [STAND_PREP + generator.uniform(-spans, spans) for _ in range(200)]
+    for pose in poses:
+        robot.set_pose(pose)
         assert robot.colliding() == []
 
 
-def test_legs_collide_when_crossed(robot, stand_prep):
-    pose = stand_prep.copy()
+def test_legs_collide_when_crossed(robot):
+    pose = STAND_PREP.copy()
     pose[JOINT_ORDER.index("l_leg_hpx")] = -0.3
     pose[JOINT_ORDER.index("r_leg_hpx")] = 0.3
-    robot.set_pose(pose, RigidTransform())
+    robot.set_pose(pose)
     assert ("l_lleg", "r_lleg") in robot.colliding()
 
 
@@ -199,5 +208,5 @@ def test_hand_collides_with_what_it_can_reach(robot, pair, arm):
     pose = np.zeros(28)
     first = JOINT_ORDER.index("l_arm_shy")
     pose[first : first + len(arm)] = arm
-    robot.set_pose(pose, RigidTransform())
+    robot.set_pose(pose)
     assert pair in robot.colliding()

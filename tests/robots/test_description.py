@@ -11,7 +11,6 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.messages import Accepted, AtlasCommand, accept
 from atlas_drake.robot import load_robot
 
 
@@ -207,14 +206,6 @@ def test_what_the_controller_cannot_command_is_refused(copied, words):
     with pytest.raises(RobotDescriptionError, match=words) as caught:
         load_robot(path)
     assert str(path) in str(caught.value)
-
-
-def test_messages_are_as_long_as_the_robot_has_joints(heron):
-    message = AtlasCommand()
-    message.position = heron.stand_prep
-    assert isinstance(accept(message, heron), Accepted)
-    message.position = load_robot().stand_prep
-    assert "must have 15 elements" in accept(message, heron).problem
 
 
 def test_the_gait_keeps_the_robots_limits(heron):

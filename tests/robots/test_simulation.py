@@ -26,9 +26,8 @@ from .conftest import HERON
 SHORT = "duration: 0.1\nphysics_step: 0.002\ncontrol_period: 0.004\n"
 
 
-def simulate(**changes):
-    changes = {"model": str(HERON)} | changes
-    return AtlasSimulation(Scenario(**changes))
+def simulate(model=HERON):
+    return AtlasSimulation(Scenario(model=str(model)))
 
 
 def test_a_scenario_names_its_robot_beside_itself(copied, tmp_path, monkeypatch):

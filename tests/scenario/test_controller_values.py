@@ -6,7 +6,6 @@ import pytest
 from pydrake.common.yaml import yaml_dump
 
 from atlas_drake import ScenarioError
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.config import as_plain, read_yaml
 from atlas_drake.robot import MODELS_FOLDER, available_robots
 from atlas_drake.scenario import Scenario, scenario_from, with_settings
@@ -102,13 +101,6 @@ def test_values_that_contradict_each_other_are_refused(controller, field):
     with pytest.raises(ScenarioError) as raised:
         with_settings(Scenario(), [f"controller={controller}"])
     assert raised.value.field == f"controller.{field}"
-
-
-def test_a_gait_is_within_the_limits_of_the_scenario():
-    config = ControllerConfig()
-    assert config.gait(stride=0.3).limits == config.walk.limits
-    with pytest.raises(ValueError, match=r"gait\.stride"):
-        config.gait(stride=0.45)
 
 
 def test_noise_of_a_name_can_be_changed_in_part():

@@ -153,15 +153,6 @@ def test_obstacles_turn_and_move_with_their_frame():
             assert found == pytest.approx(0.5 + height)
 
 
-def test_the_smallest_obstacles_lie_ahead_of_the_robot():
-    smallest = {"stairs": {"number": 1, "landing": 0.0}, "ramp": {"angle": 0.0}}
-    for name, values in smallest.items():
-        (block,) = Scenario(world={name: values}).validate().all_terrain()
-        near = block.position[0] - 0.5 * block.size[0]
-        assert (near, block.position[1]) == (pytest.approx(0.25), 0.0)
-        assert block.rpy == [0.0, 0.0, 0.0]
-
-
 def test_blocks_are_tilted_and_reach_the_ground():
     blocks = Scenario(world="blocks").validate().all_terrain()
     assert len({tuple(block.rpy) for block in blocks}) == 4
@@ -214,13 +205,6 @@ def test_a_world_that_cannot_be_used_is_named(field):
         with pytest.raises(ScenarioError) as error:
             Scenario(world=world).validate()
         assert error.value.field == field
-
-
-@pytest.mark.parametrize("name", ["stair", "nowhere.yaml"])
-def test_an_unknown_world_is_an_error_that_lists_the_known(name):
-    with pytest.raises(ScenarioError) as error:
-        load_world(name)
-    assert all(known in str(error.value) for known in available_worlds())
 
 
 @pytest.mark.parametrize(
