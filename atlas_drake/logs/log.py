@@ -9,6 +9,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,12 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoggedCommand:
-    """A command that was accepted.
-
-    Attributes:
-        time: Time of receipt [s].
-        message: An ``AtlasCommand`` or ``AtlasSimInterfaceCommand``.
-    """
+    """An accepted command, and the time of its receipt [s]."""
 
     time: float
     message: Message
@@ -122,28 +118,18 @@ class Log:
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """Every number by name such as ``balance.com.x``, each of shape (rows,)."""
-        found = {}
-        for name, labels, _ in self._columns():
-            table = self.arrays[name].reshape(len(self), len(labels))
-            for label, numbers in zip(labels, table.T, strict=True):
-                found[f"{name}.{label}".rstrip(".")] = numbers
-        return found | self.part_columns
+        tables = (
+            np.atleast_2d(self.arrays[name].T)
+            for name in self.schema.columns
+            if name != TIME
+        )
+        numbers = chain.from_iterable(tables)
+        return dict(zip(self.schema.units, numbers, strict=True)) | self.part_columns
 
     @cached_property
     def units(self) -> dict[str, str]:
         """Units of ``numbers``; empty where none is declared."""
-        units = {
-            f"{name}.{label}".rstrip("."): unit
-            for name, labels, unit in self._columns()
-            for label in labels
-        }
-        return units | dict.fromkeys(self.part_columns, "")
-
-    def _columns(self) -> Iterator[tuple[str, tuple[str, ...], str]]:
-        """Yields names, labels and units of the columns; a single number has one."""
-        for name, column in self.schema.columns.items():
-            if name != TIME:
-                yield name, column.elements or ("",), column.unit
+        return self.schema.units | dict.fromkeys(self.part_columns, "")
 
     @cached_property
     def part_columns(self) -> dict[str, np.ndarray]:
@@ -172,9 +158,6 @@ class Log:
         """Writes the columns, and the labels of their elements, for ``numpy.load``.
 
         The labels of ``balance.com`` have the name ``balance.com.labels``.
-
-        Args:
-            path: Path of the file.
         """
         labels: Any = {
             f"{name}.labels": np.array(column.elements)
@@ -192,11 +175,7 @@ class Log:
             yield self.record(row)
 
     def record(self, row: int) -> TickRecord:
-        """The record of a row.
-
-        Args:
-            row: Number of the record, from 0.
-        """
+        """The record of a row, counted from 0."""
         numbers = {name: array[row] for name, array in self.arrays.items()}
         groups: dict[str, Any] = {
             group: self.schema.group_at(group, numbers) for group in self.schema.groups
@@ -213,11 +192,7 @@ class Log:
         )
 
     def paths_at(self, row: int) -> PlannedPaths | None:
-        """The planned paths that were logged last, if any.
-
-        Args:
-            row: Number of the record until which they count.
-        """
+        """The planned paths that were logged last until a row, if any."""
         for place in range(bisect_right(self.parts["paths"].rows, row) - 1, -1, -1):
             paths: PlannedPaths | None = self._read_part("paths", place)
             if paths is not None:
@@ -225,11 +200,7 @@ class Log:
         return None
 
     def row_at(self, time: float) -> int:
-        """Number of the latest record that is not after a time, or of the first.
-
-        Args:
-            time: Simulated time [s].
-        """
+        """The row of the latest record not after a time [s], or of the first."""
         # A small tolerance, because times are sums of rounded periods.
         return max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
 
@@ -291,14 +262,7 @@ class Log:
         ]
 
     def behavior(self, number: int) -> Behavior:
-        """Returns the behavior of a number in the column ``behavior.current``.
-
-        Args:
-            number: Number in that column.
-
-        Raises:
-            ValueError: If the run had no such behavior.
-        """
+        """Returns the behavior of a number in the column ``behavior.current``."""
         return self.header.catalog.find(number)
 
     # ---- what was simulated --------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from typing import Any
 
 from atlas_drake.records.plain import to_plain
-from atlas_drake.records.schema import TIME, Schema
+from atlas_drake.records.schema import Schema
 from atlas_drake.records.tick_record import TickRecord
 
 PARTS = ("stand", "walk", "step", "manipulate", "feedback", "plan", "footsteps")
@@ -15,12 +15,8 @@ PARTS = ("stand", "walk", "step", "manipulate", "feedback", "plan", "footsteps")
 
 def flat_units(schema: Schema, record: TickRecord) -> dict[str, str]:
     """Returns the unit of each number of a record by name; empty for parts."""
-    units = {}
-    for name, column in schema.columns.items():
-        if name != TIME:
-            for label in column.elements or ("",):
-                units[f"{name}.{label}".rstrip(".")] = column.unit
-    return units | {name: "" for part in PARTS for name, _ in _part(record, part)}
+    parts = {name: "" for part in PARTS for name, _ in _part(record, part)}
+    return schema.units | parts
 
 
 def flat_numbers(

@@ -50,20 +50,7 @@ def message_from(
     num_joints: int | None = None,
     path: str = "",
 ) -> Message:
-    """Make a message from its fields; omitted fields stay as in an empty message.
-
-    Args:
-        kind: Class of the message.
-        plain: Values by field; a message in a field is a mapping, too. A list of
-            messages may be shorter than in an empty message, such as a step queue.
-        num_joints: Length of the list that replaces a single number in a joint array;
-            None keeps the number.
-        path: Path of the message in the message around it, for errors.
-
-    Raises:
-        InvalidMessageError: If there is no such field, or the value of a message's
-            field is not a mapping. ``door`` checks the other values.
-    """
+    """Make a message from its fields; omitted fields stay as in an empty message."""
     message = kind()
     known = [field.name for field in fields(message)]  # type: ignore[arg-type]
     for name, value in plain.items():

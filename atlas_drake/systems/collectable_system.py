@@ -109,21 +109,11 @@ class CollectableSystem(LeafSystem, metaclass=_SharedDict):
             allocate=lambda: AbstractValue.Make(NOTHING),
             calc=self._weakly(lambda context, out: out.set_value(compute(context))),
         )
-        tickets = (
-            {self.all_sources_ticket()} if prerequisites is None else prerequisites
-        )
+        tickets = prerequisites or {self.all_sources_ticket()}
         return CachedValue(self, self.DeclareCacheEntry(name, producer, tickets))
 
     def declare_scratch_context(self, create: Callable[[], Context]) -> CachedValue:
-        """Declares a plant's context for calculations, which every Context has.
-
-        Args:
-            create: Function that makes it, such as a plant's ``CreateDefaultContext``.
-
-        Returns:
-            The entry, whose ``Eval`` returns the plant's context. Set the plant's state
-            before each use.
-        """
+        """Declares a plant's context for calculations, to be set before each use."""
         producer = ValueProducer(
             allocate=self._weakly(lambda: AbstractValue.Make(create())),
             calc=ValueProducer.NoopCalc,

@@ -101,13 +101,6 @@ class CommandInterface(CollectableSystem):
 
         The message counts as new with any content, and is applied after those on the
         ports. Several messages may be received at one instant.
-
-        Args:
-            context: Context of this system; changed.
-            outcome: What the door says of the message.
-
-        Returns:
-            The refusal of the message; None if it is in force.
         """
         force = self._commands.Eval(context)
         after, refusal = receive(force, outcome, self._robot, context.get_time())

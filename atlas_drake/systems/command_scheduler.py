@@ -32,18 +32,12 @@ class Feedback:
 
 @dataclass(frozen=True)
 class ScheduledCommand:
-    """One entry of a schedule.
+    """One entry of a schedule."""
 
-    Attributes:
-        time: Time to send the command [s].
-        command: The message, or a pure function that makes it from the feedback; None
-            for an entry with a text only.
-        text: Text for the user when the command is sent.
-    """
-
-    time: float
+    time: float  # To send the command [s].
     command: Command | Callable[[Feedback], Command] | None
-    text: str = ""
+    """The message, a pure function that makes it, or None for a text alone."""
+    text: str = ""  # For the user when the command is sent.
 
 
 class CommandScheduler(CollectableSystem):

@@ -170,13 +170,9 @@ class Gantry(CollectableSystem):
         scratch: Context,
         others: Sequence[ExternallyAppliedSpatialForce],
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes the pelvis' acceleration without the gantry, and its compliance.
+        """Computes the pelvis' acceleration without the gantry, and Λ; spatial, in W.
 
         Contact forces are those of the last control tick; joint friction is neglected.
-
-        Returns:
-            Spatial acceleration in W [rad/s²; m/s²], shape (6,), and accelerations per
-            force Λ [rad/s² per N·m and so on], shape (6, 6).
         """
         plant = self._plant
         inside = MultibodyForces(plant)
@@ -216,18 +212,10 @@ def implicit_pull(
 
         F = F_static - D·V⁺   ⇒   F = (1 + D·h·Λ)⁻¹·(F_static - D·V_free)
 
-    V_free has to contain the effect of the motors in the step: joint damping of similar
-    stiffness would be unstable with a damper on the pelvis' present velocity.
-
-    Args:
-        static: F_static, the force without the dampers [N·m; N], shape (6,).
-        damping: D [N·m·s/rad; N·s/m], shape (6,).
-        free: V_free, velocity at the end of the step without this force [rad/s; m/s],
-            shape (6,).
-        response: h·Λ, change of velocity per force, shape (6, 6).
-
-    Returns:
-        F, the force of the gantry [N·m; N], shape (6,).
+    F_static is the force without the dampers [N·m; N], D their coefficients [N·m·s/rad;
+    N·s/m], h·Λ the change of velocity per force, shape (6, 6). V_free has to contain
+    the effect of the motors in the step: joint damping of similar stiffness would be
+    unstable with a damper on the pelvis' present velocity.
     """
     return np.linalg.solve(
         np.eye(6) + damping[:, None] * response, static - damping * free

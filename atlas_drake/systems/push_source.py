@@ -195,11 +195,7 @@ class PushSource(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def schedule(self, plans: Sequence[PlannedPush]) -> PushState:
-        """Returns the state of a run that begins with these plans.
-
-        Raises:
-            ScenarioError: If the robot lacks a body that is to be pushed.
-        """
+        """Returns the state of a run that begins with these plans."""
         for index, plan in enumerate(plans):
             try:
                 self._make(plan, 0.0, 0.0)
@@ -222,17 +218,7 @@ class PushSource(CollectableSystem):
         force_W: Sequence[float] | np.ndarray,
         duration: float,
     ) -> None:
-        """Pushes a body from now on.
-
-        Args:
-            context: Context of this system; changed.
-            body: Name of the link.
-            force_W: Force in W [N], shape (3,).
-            duration: Duration of the push [s], positive.
-
-        Raises:
-            InvalidMessageError: If there is no such body or a value is invalid.
-        """
+        """Pushes a body with a force in W [N] from now on, for ``duration`` [s]."""
         now = context.get_time()
         push = self._checked(body, force_W, now, duration)
         after = self.state(context).with_push(push)
@@ -276,7 +262,8 @@ class PushSource(CollectableSystem):
             return
         if pushes.awaited and now > 0.0:  # Loads exist from the first step on.
             weight = self._robot.mass * GRAVITY
-            left = time_to_touchdown(self._status_input.Eval(context))
+            status: ControllerStatus = self._status_input.Eval(context)
+            left = max(0.0, getattr(status.feedback, "t_step_rem", 0.0))
             loads = [load / weight for load in self._load_input.Eval(context).tolist()]
             pushes = pushes.watched(now, loads, left)
         stop = now + self._period
@@ -307,8 +294,3 @@ class PushSource(CollectableSystem):
         applied.body_index = self._bodies[body]
         applied.F_Bq_W = SpatialForce(np.zeros(3), force_W)
         return applied
-
-
-def time_to_touchdown(status: ControllerStatus) -> float:
-    """Returns the planned time until the next touchdown [s]; 0 if none is planned."""
-    return max(0.0, getattr(status.feedback, "t_step_rem", 0.0))

@@ -116,12 +116,7 @@ class StateEstimator(CollectableSystem):
     def legs(
         self, context: Context, w_WP_P: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes position and velocity of both soles from joints and gyroscope.
-
-        Returns:
-            p_IF [m] and v_IF [m/s], the velocity relative to W and not to the turning
-            pelvis, both in the pelvis' axes; each of shape (2, 3).
-        """
+        """Computes position and velocity of both soles from joints and gyroscope."""
         scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
         # With the pelvis at W's origin, quantities in W are quantities in P.
         pelvis = self._pelvis
