@@ -200,22 +200,6 @@ def test_chosen_columns_are_drawn_one_figure_per_unit(log):
 
 
 @pytest.mark.slow
-def test_no_titles_legends_or_figures_overlap(log):
-    figure = draw_page(log)
-    figure.draw_without_rendering()
-    boxes = []
-    for title, axes in axes_of(figure).items():
-        boxes.append((title, axes._left_title.get_window_extent()))
-        if axes.get_legend() is not None:
-            boxes.append((f"legend of {title}", axes.get_legend().get_window_extent()))
-    for number, (name, box) in enumerate(boxes):
-        assert figure.bbox.contains(box.x0, box.y0), name
-        assert figure.bbox.contains(box.x1, box.y1), name
-        for other, rival in boxes[:number]:
-            assert not box.overlaps(rival), (name, other)
-
-
-@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rows", [1, 2])
 def test_short_logs_without_contact_can_be_drawn(log, rows):

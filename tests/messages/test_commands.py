@@ -1,7 +1,5 @@
 """The commands in force: merged by field, refused as a whole, the later one wins."""
 
-import copy
-import dataclasses
 import logging
 
 import numpy as np
@@ -286,20 +284,3 @@ def test_each_fault_is_logged_at_intervals_and_again_when_time_went_back(caplog)
         assert [record.levelno for record in caplog.records] == heard * [
             logging.WARNING
         ], time
-
-
-def test_values_in_force_do_not_change():
-    command = AtlasSimInterfaceCommand(behavior="MANIPULATE")
-    command.manipulate_params.desired.pelvis_height = 0.77
-    force = sent(START, command)
-    command.manipulate_params.desired.pelvis_height = 0.1
-    kept = force.request.command.manipulate_params.desired
-    assert kept.pelvis_height == 0.77
-    with pytest.raises(AttributeError):
-        kept.pelvis_height = 0.2
-    for value in (force, force.joints, force.request):
-        assert copy.deepcopy(value) is value
-        with pytest.raises(dataclasses.FrozenInstanceError):
-            setattr(value, dataclasses.fields(value)[0].name, None)
-    with pytest.raises(ValueError, match="read-only"):
-        force.joints.share[0] = 1.0
