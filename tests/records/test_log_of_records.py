@@ -9,10 +9,6 @@ from atlas_drake.frozen import replace
 from atlas_drake.logs.header import Header
 from atlas_drake.logs.mcap_writer import McapWriter
 from atlas_drake.messages import (
-    AtlasBehaviorManipulateFeedback,
-    AtlasBehaviorStandFeedback,
-    AtlasBehaviorStepFeedback,
-    AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
     Behavior,
 )
@@ -24,6 +20,7 @@ from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
 from atlas_drake.records.schema import GROUPS, OPTIONAL
 from atlas_drake.records.tick_record import ContactForce
+from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS
 from atlas_drake.systems.tick_recorder import landed_among
 from tests.filled import changed
 
@@ -156,12 +153,7 @@ def runs(draw):
         groups = {name: group_of(schema, name, random) for name in schema.groups}
         in_force = request or (0, None)
         groups["behavior"] = replace(groups["behavior"], request_number=in_force[0])
-        kinds = {
-            "stand": AtlasBehaviorStandFeedback,
-            "walk": AtlasBehaviorWalkFeedback,
-            "step": AtlasBehaviorStepFeedback,
-            "manipulate": AtlasBehaviorManipulateFeedback,
-        }
+        kinds = {name: kind for kind, name in FEEDBACK_FIELDS.items()}
         told = draw(st.sets(st.sampled_from(sorted(kinds)), max_size=1))
         records.append(
             TickRecord(
