@@ -19,6 +19,7 @@ from pydrake.systems.framework import (
     InputPort,
     LeafSystem,
     OutputPort,
+    State,
     ValueProducer,
 )
 
@@ -53,6 +54,21 @@ class CachedValue:
     def ticket(self) -> DependencyTicket:
         """Returns the entry's ticket, as Drake's ``CacheEntry.ticket``."""
         return self._system.get_cache_entry(self._index).ticket()
+
+
+class ValueState:
+    """A state of a system that holds any Python object."""
+
+    def __init__(self, system: LeafSystem, start: Any) -> None:
+        self.index = system.DeclareAbstractState(AbstractValue.Make(start))
+
+    def get(self, context: Context) -> Any:
+        """Returns the value."""
+        return context.get_abstract_state(self.index).get_value()
+
+    def set(self, state: Context | State, value: Any) -> None:
+        """Sets the value in a context, or in the state that an update fills in."""
+        state.get_mutable_abstract_state(self.index).set_value(value)
 
 
 class CollectableSystem(LeafSystem, metaclass=_SharedDict):
@@ -100,6 +116,13 @@ class CollectableSystem(LeafSystem, metaclass=_SharedDict):
             lambda context, output: output.SetFromVector(compute(context)),
             prerequisites_of_calc=prerequisites or {self.all_sources_ticket()},
         )
+
+    def declare_value_state(self, start: Any, output: str = "") -> ValueState:
+        """Declares a state, and an output port that shows it if it is named."""
+        state = ValueState(self, start)
+        if output:
+            self.DeclareStateOutputPort(output, state.index)
+        return state
 
     def declare_cached(
         self, name: str, compute: Compute, prerequisites: Tickets | None = None

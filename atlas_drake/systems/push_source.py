@@ -181,17 +181,14 @@ class PushSource(CollectableSystem):
         self._status_input = self.declare_value_input("controller_status")
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
-        self._pushes = self.DeclareAbstractState(
-            AbstractValue.Make(self.schedule(plans))
-        )
-        ticket = self.abstract_state_ticket(self._pushes)
+        self._pushes = self.declare_value_state(self.schedule(plans), "pushes")
+        ticket = self.abstract_state_ticket(self._pushes.index)
         self.DeclareAbstractOutputPort(
             "applied_spatial_force",
             no_forces.Clone,
             self._calc_forces,
             {ticket, self._others.ticket()},
         )
-        self.DeclareStateOutputPort("pushes", self._pushes)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def schedule(self, plans: Sequence[PlannedPush]) -> PushState:
@@ -209,7 +206,7 @@ class PushSource(CollectableSystem):
 
     def begin(self, context: Context, state: PushState) -> None:
         """Begins a run with a state from ``schedule``."""
-        context.get_mutable_abstract_state(self._pushes).set_value(state)
+        self._pushes.set(context, state)
 
     def push(
         self,
@@ -234,7 +231,7 @@ class PushSource(CollectableSystem):
 
     def state(self, context: Context) -> PushState:
         """Returns the state of the pushes."""
-        return context.get_abstract_state(self._pushes).get_value()
+        return self._pushes.get(context)
 
     def _checked(
         self,
@@ -279,9 +276,7 @@ class PushSource(CollectableSystem):
                 pushes = pushes.with_push(self._make(plan, heading, time))
         active = tuple(push for push in pushes.active if push.end > now + SAME_TIME)
         forces = tuple((push.body, push.mean_force(now, stop)) for push in active)
-        state.get_mutable_abstract_state(self._pushes).set_value(
-            replace(pushes, active=active, forces=forces)
-        )
+        self._pushes.set(state, replace(pushes, active=active, forces=forces))
 
     def _calc_forces(self, context: Context, output: AbstractValue) -> None:
         forces = self._others.Eval(context) if self._others.HasValue(context) else []
