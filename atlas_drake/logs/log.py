@@ -24,7 +24,7 @@ from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, MESSAGE, Event, first_falls
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
-from atlas_drake.records.flat import PARTS, numbers_in
+from atlas_drake.records.plain import PARTS, numbers_in
 from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from

@@ -83,11 +83,8 @@ class RunEvent(Event):
 
 def fell_last(events: Iterable[Event]) -> bool:
     """Return True if the robot fell since its last reset."""
-    fallen = False
-    for event in events:
-        if event.kind in ("fall", "reset"):
-            fallen = event.kind == "fall"
-    return fallen
+    kinds = [event.kind for event in events if event.kind in ("fall", "reset")]
+    return kinds[-1:] == ["fall"]
 
 
 def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:

@@ -5,7 +5,7 @@ import pandas
 import pytest
 
 from atlas_drake.app.main import main
-from atlas_drake.records.flat import flat_numbers, flat_units
+from atlas_drake.records.plain import flat_numbers, flat_units
 
 
 def test_every_number_has_a_name_and_the_unit_of_the_run(run):

@@ -19,7 +19,7 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.frozen import replace
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
 from atlas_drake.messages.event import MESSAGE
-from atlas_drake.records.flat import flat_numbers, flat_units
+from atlas_drake.records.plain import flat_numbers, flat_units
 from atlas_drake.systems.record_reader import add_listener
 
 # ---- the start, a reset, events ----------------------------------------------
