@@ -95,14 +95,8 @@ class Log:
         for known in (self.arrays, self.numbers):
             if name in known:
                 return known[name]
-        # Elements of the column, if the last label is wrong, else the columns.
-        column = name.rpartition(".")[0]
-        names = [one for one in self.numbers if one.rpartition(".")[0] == column]
-        names = names or [*self.arrays, *self.part_columns]
-        raise KeyError(
-            f"the log has no column {name!r}.{did_you_mean(name, names)} "
-            f"It has {', '.join(names)}."
-        )
+        hint = did_you_mean(name, [*self.arrays, *self.numbers])
+        raise KeyError(f"the log has no column {name!r}; see Log.numbers.{hint}")
 
     def __len__(self) -> int:
         """Number of records."""

@@ -20,7 +20,6 @@ def check_number(
     lower: float = -LARGEST,
     upper: float = LARGEST,
     *,
-    strictly: bool = False,
     whole: bool = False,
 ) -> float:
     """Check that a value is a number from ``lower`` to ``upper``, and return it.
@@ -30,7 +29,6 @@ def check_number(
         field: Name of the argument, for the error.
         lower: Least value, in the field's unit.
         upper: Greatest value.
-        strictly: The value must be greater than ``lower``.
         whole: Only whole numbers are allowed.
 
     Raises:
@@ -39,8 +37,8 @@ def check_number(
     number = as_float(value)
     if number is None or not math.isfinite(number):
         requirement = "a finite number"
-    elif number < lower or (strictly and number == lower):
-        requirement = f"{'greater than' if strictly else 'at least'} {lower:g}"
+    elif number < lower:
+        requirement = f"at least {lower:g}"
     elif number > upper:
         requirement = f"at most {upper:g}"
     elif whole and not number.is_integer():

@@ -37,18 +37,35 @@ class FootPose:
 
 @dataclass(frozen=True)
 class StepAction:
-    """Timing and motion of a step of STEP; the defaults are safe for the robot."""
+    """Timing and motion of a step of STEP; the defaults are safe for the robot.
 
-    step_duration: float = 0.7  # Of single support [s].
-    sway_duration: float = 0.6  # Of the weight shift before single support [s].
-    swing_height: float = 0.02  # Rise above the lift height while moving across [m].
-    lift_height: float = 0.06  # Lift above the higher of the two footholds [m].
-    knee_nominal: float = 0.6  # Flexion of the standing knee [rad].
-    max_body_accel: float = 0.4  # Bounds the sway's duration from below [m/s²].
-    max_foot_vel: float = 0.5  # Bounds the step's duration from below [m/s].
-    sway_end_dist: float = 0.01  # From the sway's end to the standing sole [m].
-    step_end_dist: float = 0.0  # Lean into the step as the foot comes down [m].
-    toe_off: ToeOff = ToeOff.ENABLE  # For the heel of the leaving foot in the sway.
+    Attributes:
+        step_duration: Duration of single support [s].
+        sway_duration: Duration of the weight shift before single support [s].
+        swing_height: Rise above the lift height while the foot moves across [m].
+        lift_height: Vertical lift above the higher of the two footholds [m].
+        knee_nominal: Flexion of the standing knee [rad].
+        max_body_accel: Largest acceleration of the body; a lower bound of the weight
+            shift's duration follows from it [m/s²].
+        max_foot_vel: Largest speed of the foot; a lower bound of the step's duration
+            follows from it [m/s].
+        sway_end_dist: Distance from the end of the weight shift to the middle of the
+            standing sole [m].
+        step_end_dist: Distance by which the body leans into the step as the foot comes
+            down [m].
+        toe_off: Setting for the heel of the leaving foot in the weight shift.
+    """
+
+    step_duration: float = 0.7
+    sway_duration: float = 0.6
+    swing_height: float = 0.02
+    lift_height: float = 0.06
+    knee_nominal: float = 0.6
+    max_body_accel: float = 0.4
+    max_foot_vel: float = 0.5
+    sway_end_dist: float = 0.01
+    step_end_dist: float = 0.0
+    toe_off: ToeOff = ToeOff.ENABLE
 
 
 @dataclass(frozen=True)

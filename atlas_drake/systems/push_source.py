@@ -241,7 +241,7 @@ class PushSource(CollectableSystem):
         duration: float,
     ) -> Push:
         force = check_vector(force_W, "force_W", 3, LARGEST_FORCE)
-        check_number(duration, "duration", 0.0, strictly=True)
+        check_number(duration, "duration", SAME_TIME)
         if body not in self._bodies:
             hint = did_you_mean(str(body), self._bodies)
             hint = hint or f" It has {', '.join(self._bodies)}."

@@ -53,19 +53,6 @@ def test_before_the_first_tick_a_record_describes_the_present():
     assert sim.record.time > again.time
 
 
-def test_a_reset_tells_no_event_again(tmp_path):
-    path = tmp_path / "run.mcap"
-    with AtlasSimulation(log=path) as sim:
-        sim.advance(0.02)
-        sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
-        sim.advance(0.02)
-        sim.reset()
-        sim.advance(0.02)
-    log = read_log(path)
-    assert [event.kind for event in log.events] == [event.kind for event in sim.events]
-    assert len(log.commands) == 1
-
-
 def test_each_event_is_in_the_record_of_its_tick(tmp_path):
     records = []
 
