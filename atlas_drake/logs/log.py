@@ -152,6 +152,9 @@ class Log:
         """Writes the columns, and the labels of their elements, for ``numpy.load``.
 
         The labels of ``balance.com`` have the name ``balance.com.labels``.
+
+        Args:
+            path: Path of the file.
         """
         labels: Any = {
             f"{name}.labels": np.array(column.elements)
@@ -169,7 +172,11 @@ class Log:
             yield self.record(row)
 
     def record(self, row: int) -> TickRecord:
-        """The record of a row, counted from 0."""
+        """The record of a row.
+
+        Args:
+            row: Number of the record, from 0.
+        """
         numbers = {name: array[row] for name, array in self.arrays.items()}
         groups: dict[str, Any] = {
             group: self.schema.group_at(group, numbers) for group in self.schema.groups
@@ -186,7 +193,11 @@ class Log:
         )
 
     def paths_at(self, row: int) -> PlannedPaths | None:
-        """The planned paths that were logged last until a row, if any."""
+        """The planned paths that were logged last, if any.
+
+        Args:
+            row: Number of the record until which they count.
+        """
         for place in range(bisect_right(self.parts["paths"].rows, row) - 1, -1, -1):
             paths: PlannedPaths | None = self._read_part("paths", place)
             if paths is not None:
@@ -194,7 +205,11 @@ class Log:
         return None
 
     def row_at(self, time: float) -> int:
-        """The row of the latest record not after a time [s], or of the first."""
+        """Number of the latest record that is not after a time, or of the first.
+
+        Args:
+            time: Simulated time [s].
+        """
         # A small tolerance, because times are sums of rounded periods.
         return max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
 
@@ -256,7 +271,11 @@ class Log:
         ]
 
     def behavior(self, number: int) -> Behavior:
-        """Returns the behavior of a number in the column ``behavior.current``."""
+        """Returns the behavior of a number in the column ``behavior.current``.
+
+        Args:
+            number: Number in that column.
+        """
         return self.header.catalog.find(number)
 
     # ---- what was simulated --------------------------------------------------

@@ -71,7 +71,12 @@ class Refusal(Frozen):
 
     @classmethod
     def of(cls, error: InvalidMessageError, kind: type[Command]) -> Refusal:
-        """Return the refusal for a fault."""
+        """Return the refusal for a fault.
+
+        Args:
+            error: The fault.
+            kind: Class of the message.
+        """
         return cls(kind, error.field, error.problem, error.error_code, error.value)
 
     @property

@@ -36,7 +36,11 @@ class Vector3(Message):
 
     @classmethod
     def from_array(cls, xyz: ArrayLike) -> "Vector3":
-        """Make a vector from x, y, z; shape (3,)."""
+        """Make a vector from numbers.
+
+        Args:
+            xyz: x, y, z; shape (3,).
+        """
         x, y, z = np.asarray(xyz, dtype=float).tolist()
         return cls(x, y, z)
 
@@ -60,7 +64,11 @@ class Quaternion(Message):
 
     @classmethod
     def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
-        """Make a quaternion from w, x, y, z, the order of Drake; shape (4,)."""
+        """Make a quaternion from numbers in the order of Drake and Eigen.
+
+        Args:
+            wxyz: w, x, y, z; shape (4,).
+        """
         w, x, y, z = np.asarray(wxyz, dtype=float).tolist()
         return cls(x, y, z, w)
 
