@@ -1,15 +1,9 @@
 """Any messages in any order: faulty ones are refused by name, and change nothing."""
 
-import copy
-import functools
-
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from atlas_drake import (
-    AtlasBehaviorStepData,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
@@ -20,66 +14,6 @@ from atlas_drake import (
 from atlas_drake.messages.commands import KEPT
 from atlas_drake.messages.fields import LARGEST
 from atlas_drake.messages.joint_command import JOINT_FIELDS
-
-from .hostile import spoiled_commands
-
-
-@functools.cache
-def robot_in(behavior):
-    """A robot in that behavior, the same for all messages of a test."""
-    sim = AtlasSimulation()
-    sim.advance(0.1)
-    command = AtlasSimInterfaceCommand(behavior=behavior)
-    for place in range(4):  # Steps on the spot, for the whole test.
-        command.walk_params.step_queue[place] = AtlasBehaviorStepData(
-            step_index=place + 1,
-            foot_index=place % 2,
-            duration=3.0,
-            swing_height=0.05,
-            pose=copy.deepcopy(sim.atlas_sim_interface_state.foot_pos_est[place % 2]),
-        )
-    sim.publish(command)
-    sim.advance(2.0 if behavior is Behavior.STAND else 0.02)
-    assert sim.current_behavior is behavior
-    return sim
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "behavior", [Behavior.STAND, Behavior.WALK, Behavior.MANIPULATE, Behavior.USER]
-)
-@settings(
-    max_examples=15,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
-@given(
-    letters=st.lists(
-        st.tuples(spoiled_commands(), st.floats(0.0, 0.01)), min_size=10, max_size=10
-    )
-)
-def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
-    sim = robot_in(behavior)
-    for (message, path), wait in letters:
-        force, number = sim.output("commands"), len(sim.events)
-        with pytest.raises(InvalidMessageError) as caught:
-            sim.publish(message)
-        sim.advance(0.004 + wait)
-        assert caught.value.field.startswith(path)
-        after = sim.output("commands")
-        assert (after.joints, after.request) == (force.joints, force.request)
-        assert after.error_code is caught.value.error_code
-        assert sim.atlas_sim_interface_state.error_code == after.error_code != 0
-        fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
-        assert [caught.value.field in event.text for event in fresh] == [True]
-        assert np.isfinite(sim.output("state")).all()
-        assert np.isfinite(sim.output("effort")).all()
-    if behavior is not Behavior.USER:
-        assert sim.current_behavior in (behavior, Behavior.STAND)
-        assert not sim.has_fallen
-    if behavior is Behavior.STAND:
-        assert np.abs(sim.atlas_state.velocity).max() < 0.1
 
 
 def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(

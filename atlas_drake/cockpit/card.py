@@ -21,7 +21,7 @@ from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.records.flat import flat_units
+from atlas_drake.records.plain import flat_units
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.overlays import OVERLAYS
 

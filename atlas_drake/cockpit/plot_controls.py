@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from atlas_drake.errors import InvalidMessageError, did_you_mean
-from atlas_drake.records.flat import flat_numbers, flat_units
+from atlas_drake.records.plain import flat_numbers, flat_units
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

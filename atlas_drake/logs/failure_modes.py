@@ -59,17 +59,11 @@ OUTSIDE = 0.05
 
 @dataclass(frozen=True)
 class Failure:
-    """One failure.
+    """One failure."""
 
-    Attributes:
-        time: When it began [s].
-        kind: One of the texts above.
-        place: The joint or the foot concerned; empty for the whole body.
-    """
-
-    time: float
-    kind: str
-    place: str = ""
+    time: float  # When it began [s].
+    kind: str  # One of the texts above.
+    place: str = ""  # The joint or the foot; empty for the whole body.
 
 
 class FailureWatch:
@@ -156,21 +150,13 @@ def _dcm_outside(balance: Balance) -> float:
 
 @dataclass
 class _Foot:
-    """What is remembered of a foot from tick to tick.
+    """What is remembered of a foot from tick to tick."""
 
-    Attributes:
-        index: 0 for the left foot, 1 for the right foot.
-        has_stood: True if the sole has carried load; the first record has no wrenches.
-        in_air_since: Time since which the sole carries nothing [s]; None on the ground.
-        stance: Position and normal of the sole when it came to bear; None before that.
-        touchdown: Planned time of the next touchdown [s]; None if none is planned.
-    """
-
-    index: int
-    has_stood: bool = False
-    in_air_since: float | None = None
-    stance: tuple[np.ndarray, np.ndarray] | None = None
-    touchdown: float | None = None
+    index: int  # 0 for the left foot, 1 for the right foot.
+    has_stood: bool = False  # True if it has carried load: at first there is none.
+    in_air_since: float | None = None  # [s]; None on the ground.
+    stance: tuple[np.ndarray, np.ndarray] | None = None  # Position, normal on bearing.
+    touchdown: float | None = None  # Planned time of the next one [s].
 
     def failures(
         self, time: float, record: TickRecord, weight: float

@@ -27,17 +27,11 @@ SAME_PLACE = 0.01
 
 @dataclass(frozen=True)
 class Soles:
-    """Both soles over time.
+    """Both soles over time."""
 
-    Attributes:
-        time: Times [s], shape (rows,).
-        corners: Corners in W, horizontal [m], shape (2, rows, 4, 2).
-        contact: True for soles that carry load, bool, shape (2, rows).
-    """
-
-    time: np.ndarray
-    corners: np.ndarray
-    contact: np.ndarray
+    time: np.ndarray  # [s], shape (rows,).
+    corners: np.ndarray  # In W, horizontal [m], shape (2, rows, 4, 2).
+    contact: np.ndarray  # True for soles that carry load, shape (2, rows).
 
     def extent(self, axis: int) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest coordinate of the soles in contact [m], shape (rows,)."""

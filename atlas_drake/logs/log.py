@@ -9,6 +9,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, MESSAGE, Event, first_falls
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
-from atlas_drake.records.flat import PARTS, numbers_in
+from atlas_drake.records.plain import PARTS, numbers_in
 from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
@@ -35,12 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoggedCommand:
-    """A command that was accepted.
-
-    Attributes:
-        time: Time of receipt [s].
-        message: An ``AtlasCommand`` or ``AtlasSimInterfaceCommand``.
-    """
+    """An accepted command, and the time of its receipt [s]."""
 
     time: float
     message: Message
@@ -99,14 +95,8 @@ class Log:
         for known in (self.arrays, self.numbers):
             if name in known:
                 return known[name]
-        # Elements of the column, if the last label is wrong, else the columns.
-        column = name.rpartition(".")[0]
-        names = [one for one in self.numbers if one.rpartition(".")[0] == column]
-        names = names or [*self.arrays, *self.part_columns]
-        raise KeyError(
-            f"the log has no column {name!r}.{did_you_mean(name, names)} "
-            f"It has {', '.join(names)}."
-        )
+        hint = did_you_mean(name, [*self.arrays, *self.numbers])
+        raise KeyError(f"the log has no column {name!r}; see Log.numbers.{hint}")
 
     def __len__(self) -> int:
         """Number of records."""
@@ -122,28 +112,18 @@ class Log:
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """Every number by name such as ``balance.com.x``, each of shape (rows,)."""
-        found = {}
-        for name, labels, _ in self._columns():
-            table = self.arrays[name].reshape(len(self), len(labels))
-            for label, numbers in zip(labels, table.T, strict=True):
-                found[f"{name}.{label}".rstrip(".")] = numbers
-        return found | self.part_columns
+        tables = (
+            np.atleast_2d(self.arrays[name].T)
+            for name in self.schema.columns
+            if name != TIME
+        )
+        numbers = chain.from_iterable(tables)
+        return dict(zip(self.schema.units, numbers, strict=True)) | self.part_columns
 
     @cached_property
     def units(self) -> dict[str, str]:
         """Units of ``numbers``; empty where none is declared."""
-        units = {
-            f"{name}.{label}".rstrip("."): unit
-            for name, labels, unit in self._columns()
-            for label in labels
-        }
-        return units | dict.fromkeys(self.part_columns, "")
-
-    def _columns(self) -> Iterator[tuple[str, tuple[str, ...], str]]:
-        """Yields names, labels and units of the columns; a single number has one."""
-        for name, column in self.schema.columns.items():
-            if name != TIME:
-                yield name, column.elements or ("",), column.unit
+        return self.schema.units | dict.fromkeys(self.part_columns, "")
 
     @cached_property
     def part_columns(self) -> dict[str, np.ndarray]:
@@ -295,9 +275,6 @@ class Log:
 
         Args:
             number: Number in that column.
-
-        Raises:
-            ValueError: If the run had no such behavior.
         """
         return self.header.catalog.find(number)
 

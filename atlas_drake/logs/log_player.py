@@ -6,11 +6,10 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context
+from pydrake.systems.framework import Context
 
-from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.frozen import replace
 from atlas_drake.logs.log import Log
 from atlas_drake.records import TickRecord
 from atlas_drake.robot.robot import coordinates_beside, own_places
@@ -39,28 +38,19 @@ class LogPlayer(CollectableSystem):
             for label, place in places.items()
             if f"world.{column}.{label}" in log.numbers
         ]
-        self.DeclareAbstractOutputPort(
-            "record",
-            lambda: AbstractValue.Make(NOTHING),
-            lambda context, out: out.set_value(self._record(context)),
-            {self.time_ticket()},
-        )
-        self.DeclareVectorOutputPort(
-            "plant_state",
-            len(self._default),
-            self._calc_plant_state,
-            {self.time_ticket()},
-        )
+        time, size = {self.time_ticket()}, len(self._default)
+        self.declare_value_output("record", self._record, time)
+        self.declare_vector_output("plant_state", size, self._plant_state, time)
 
     def _record(self, context: Context) -> TickRecord:
         # As in a run, a picture at a tick shows the record of the tick before.
         row = self._log.row_at(context.get_time() - 2e-9)
         return replace(self._log.record(row), paths=self._log.paths_at(row))
 
-    def _calc_plant_state(self, context: Context, output: BasicVector) -> None:
+    def _plant_state(self, context: Context) -> np.ndarray:
         log, row = self._log, self._log.row_at(context.get_time())
         state = self._default.copy()
         state[self._own] = np.concatenate([log["state.q"][row], log["state.v"][row]])
         for place, numbers in self._beside:
             state[place] = numbers[row]
-        output.SetFromVector(state)
+        return state

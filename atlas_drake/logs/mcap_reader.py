@@ -103,13 +103,10 @@ def _columns(
     """Returns a group's columns; a value is valid until the next one."""
     counts = np.diff(np.minimum([*rows, count], count))
     arrays = {}
-    for name, column in schema.columns.items():
-        if not name.startswith(f"{group}."):
-            continue
-        field = name.partition(".")[2]
+    for field, column in schema.parts[group].items():
         given = [message[field] for message in messages]
         if column.labels:
             given = [list(one.values()) for one in given]
         table = np.array(given, dtype=float).repeat(counts, axis=0)
-        arrays[name] = table.astype(column.kind)
+        arrays[f"{group}.{field}"] = table.astype(column.kind)
     return arrays

@@ -230,11 +230,10 @@ def json_schemas(schema: Schema) -> Iterator[tuple[str, str, dict[str, Any]]]:
 def _of_group(schema: Schema, group: str) -> dict[str, Any]:
     """Describes a group of numbers, with the unit of each column."""
     properties = {}
-    for name, column in schema.columns.items():
-        if name.startswith(f"{group}."):
-            numbers = _like(dict.fromkeys(column.elements, 0.0) or 0.0)
-            about = f"{column.about} [{column.unit or '-'}]"
-            properties[name.partition(".")[2]] = {**numbers, "description": about}
+    for name, column in schema.parts[group].items():
+        numbers = _like(dict.fromkeys(column.elements, 0.0) or 0.0)
+        about = f"{column.about} [{column.unit or '-'}]"
+        properties[name] = {**numbers, "description": about}
     return {"type": "object", "properties": properties}
 
 

@@ -84,10 +84,7 @@ class AtlasSimInterfaceCommand(Message):
             counts. They act on joints with a user share above 0.
         velocity: Servo velocities [rad/s].
         effort: Servo efforts [N·m].
-        kp_position: Servo gains on position [N·m/rad], not negative.
-        ki_position: Servo gains on the integral of position [N·m/(rad·s)], not
-            negative.
-        kp_velocity: Servo gains on velocity [N·m·s/rad], not negative.
+        kp_position, ki_position, kp_velocity: Servo gains, see ``AtlasCommand``.
         k_effort: Share of user control: 0 for the behavior alone, 255 for the user
             alone. ``AtlasCommand`` sets it too.
     """

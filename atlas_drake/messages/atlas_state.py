@@ -105,22 +105,17 @@ class AtlasState(JointIndices, Message):
         position: Joint positions [rad].
         velocity: Joint velocities [rad/s].
         effort: Joint efforts [N·m].
-        kp_position: Proportional gains in force [N·m/rad].
-        ki_position: Integral gains in force [N·m/(rad·s)].
-        kd_position: Damping of the joints in force [N·m·s/rad].
-        kp_velocity: Gains on the velocity error in force [N·m·s/rad].
-        i_effort_min: Lower bounds of the integral term in force [N·m].
-        i_effort_max: Upper bounds of the integral term in force [N·m].
+        kp_position, ki_position, kd_position, kp_velocity: Gains in force, see
+            ``AtlasCommand``.
+        i_effort_min, i_effort_max: Bounds of the integral term in force [N·m].
         k_effort: Shares of user control in force, 0 to 255.
         orientation: Orientation of the pelvis in the world frame.
         angular_velocity: Angular velocity of the pelvis, in the pelvis frame [rad/s].
         linear_acceleration: Specific force at the IMU, in the IMU's frame [m/s²].
-        l_foot: Contact wrench on the left foot, in the world frame about the center of
-            the sole, one control tick old.
-        r_foot: Contact wrench on the right foot, as for the left foot.
-        l_hand: Contact wrench on the left hand, in the world frame about the origin of
-            its link, one control tick old.
-        r_hand: Contact wrench on the right hand, as for the left hand.
+        l_foot, r_foot: Contact wrench on the foot, in the world frame about the center
+            of the sole, one control tick old.
+        l_hand, r_hand: Contact wrench on the hand, in the world frame about the origin
+            of its link, one control tick old.
     """
 
     header: Header = field(default_factory=Header)

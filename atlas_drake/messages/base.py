@@ -43,11 +43,7 @@ class Message:
             return message
 
         def __setattr__(self, name, value):
-            """Set a field.
-
-            Raises:
-                AttributeError: If there is no such field, or in a frozen message.
-            """
+            """Set a field."""
             kind = type(self).__name__
             if self._frozen:
                 raise AttributeError(

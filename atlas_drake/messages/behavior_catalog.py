@@ -112,11 +112,7 @@ class BehaviorCatalog(Frozen):
     entries: tuple[BehaviorInterface, ...]
 
     def __post_init__(self) -> None:
-        """Check that names and numbers are valid and unique.
-
-        Raises:
-            BehaviorError: If they are not.
-        """
+        """Check that names and numbers are valid and unique."""
         known: dict[str | int, BehaviorInterface] = {}
         for entry in self.entries:
             label = f"behavior {entry.name!r} ({entry.number!r})"
@@ -134,11 +130,7 @@ class BehaviorCatalog(Frozen):
         return iter(self.entries)
 
     def __contains__(self, behavior: object) -> bool:
-        return behavior in self._by_behavior
-
-    @cached_property
-    def _by_behavior(self) -> dict[Behavior, BehaviorInterface]:
-        return {entry.behavior: entry for entry in self.entries}
+        return behavior in self._by_key
 
     @cached_property
     def _by_key(self) -> dict[str | int, BehaviorInterface]:
@@ -147,7 +139,7 @@ class BehaviorCatalog(Frozen):
 
     def entry(self, behavior: Behavior) -> BehaviorInterface:
         """Return the entry of a behavior of this catalog."""
-        return self._by_behavior[behavior]
+        return self._by_key[behavior]
 
     def find(self, value: object, field: str = "behavior") -> Behavior:
         """Find the behavior that a message requests.
@@ -177,12 +169,7 @@ class BehaviorCatalog(Frozen):
         )
 
     def check_params(self, message: AtlasSimInterfaceCommand) -> None:
-        """Check the requested behavior, and parameters by the behaviors' own checks.
-
-        Raises:
-            InvalidMessageError: If anything in them cannot be applied; it names the
-                field.
-        """
+        """Check the requested behavior, and parameters by the behaviors' own checks."""
         requested = self.entry(self.find(message.behavior))
         for entry in self.entries:
             # The fields of the original interface count for any requested behavior.

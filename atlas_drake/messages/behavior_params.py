@@ -20,8 +20,8 @@ from atlas_drake.messages.fields import (
     NotNegative,
     Number,
     Positive,
-    Several,
     not_zero,
+    several,
 )
 from atlas_drake.messages.geometry import Pose, Vector3
 
@@ -98,7 +98,7 @@ def _in_order(
 
 
 StepQueue = Annotated[
-    list[AtlasBehaviorStepData], Several(OptionalStep), AfterValidator(_in_order)
+    list[AtlasBehaviorStepData], several(OptionalStep), AfterValidator(_in_order)
 ]
 """The steps that WALK previews, empty ones included."""
 

@@ -1,9 +1,10 @@
-"""Checks of the arguments of a call, one each: a number, a vector, a flag.
+"""Checks of the arguments of a call, one each: a number, a vector, a flag, a type.
 
 ``door`` checks messages.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,6 @@ def check_number(
     lower: float = -LARGEST,
     upper: float = LARGEST,
     *,
-    strictly: bool = False,
     whole: bool = False,
 ) -> float:
     """Check that a value is a number from ``lower`` to ``upper``, and return it.
@@ -29,7 +29,6 @@ def check_number(
         field: Name of the argument, for the error.
         lower: Least value, in the field's unit.
         upper: Greatest value.
-        strictly: The value must be greater than ``lower``.
         whole: Only whole numbers are allowed.
 
     Raises:
@@ -38,8 +37,8 @@ def check_number(
     number = as_float(value)
     if number is None or not math.isfinite(number):
         requirement = "a finite number"
-    elif number < lower or (strictly and number == lower):
-        requirement = f"{'greater than' if strictly else 'at least'} {lower:g}"
+    elif number < lower:
+        requirement = f"at least {lower:g}"
     elif number > upper:
         requirement = f"at most {upper:g}"
     elif whole and not number.is_integer():
@@ -52,11 +51,7 @@ def check_number(
 def check_vector(
     values: object, field: str, size: int, largest: float = LARGEST
 ) -> NDArray[np.float64]:
-    """Check that a value has ``size`` numbers within ±``largest``; return an array.
-
-    Raises:
-        InvalidMessageError: If it has not; it names the field.
-    """
+    """Check that a value has ``size`` numbers within ±``largest``; return an array."""
     values = values.tolist() if isinstance(values, np.ndarray) else values
     numbers = [*map(as_float, values)] if isinstance(values, list | tuple) else []
     vector = np.array(numbers, dtype=float)  # None becomes NaN.
@@ -64,6 +59,14 @@ def check_vector(
         problem = f"must be {size} numbers within ±{largest:g}, is {shown(values)}"
         raise InvalidMessageError(field, values, problem)
     return vector
+
+
+def check_type(value: Any, kind: Any, name: str) -> Any:
+    """Raise TypeError unless the value is of a type, and return it."""
+    if not isinstance(value, kind):
+        expected = getattr(kind, "__name__", kind)
+        raise TypeError(f"{name} must be {expected}, is {shown(value)}")
+    return value
 
 
 def check_flag(value: object, field: str) -> None:

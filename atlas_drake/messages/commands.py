@@ -144,16 +144,13 @@ def latch(
 ) -> ActiveCommand:
     """Applies the messages on the two command ports that are new.
 
-    When both are new the joint command is applied first, unless its stamp is later. A
-    port without a message has NOTHING.
+    The joint command is applied first. A port without a message has NOTHING.
     """
-    seen = look(force, atlas_command, sim_command, robot)
-    new = [port for port in seen if seen[port] is not getattr(force, port)]
-    for port in sorted(new, key=lambda port: _stamp(seen[port])):
-        outcome = seen[port].outcome
-        assert outcome is not None
-        after, _ = receive(force, outcome, robot, time)
-        force = replace(after, **{port: seen[port]})
+    for port, seen in look(force, atlas_command, sim_command, robot).items():
+        if seen is not getattr(force, port):
+            assert seen.outcome is not None
+            after, _ = receive(force, seen.outcome, robot, time)
+            force = replace(after, **{port: seen})
     return force
 
 
@@ -180,12 +177,6 @@ def look(
             lasts = is_sent or (isinstance(value, Message) and value.is_frozen)
             found[port] = Seen(value if lasts else NOTHING, outcome)
     return found
-
-
-def _stamp(seen: Seen) -> float:
-    """Returns the time stamp of a message [s]; 0 if it has none."""
-    outcome = seen.outcome
-    return (isinstance(outcome, Accepted) and outcome.message.header.stamp) or 0.0
 
 
 def receive(

@@ -18,6 +18,7 @@ from atlas_drake.frozen import Frozen
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import AtlasBehaviorFeedback
+from atlas_drake.messages.checks import check_type
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep, points
 
@@ -42,11 +43,7 @@ class PlannedPaths(Frozen):
     swing: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Convert points to arrays.
-
-        Raises:
-            ValueError: If a field does not hold points; it names the field.
-        """
+        """Convert points to arrays."""
         for name in ("com", "dcm", "cop"):
             _take_points(self, name, (-1, 2))
         _take_points(self, "swing", (-1, 3))
@@ -74,12 +71,7 @@ class Plan(Frozen):
     footsteps: tuple[Footstep, ...] = ()
 
     def __post_init__(self) -> None:
-        """Convert points to arrays.
-
-        Raises:
-            TypeError: If another field is of the wrong type; it names the field.
-            ValueError: If a field does not hold points, or ``omega`` is not positive.
-        """
+        """Convert points to arrays."""
         _take_points(self, "support", (-1, 2))
         if self.support is not None and len(self.support) > MAX_CORNERS:
             raise ValueError(f"support must have at most {MAX_CORNERS} corners")
@@ -158,21 +150,10 @@ class ControllerStatus(Frozen):
 
 
 def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
-    """Check the status of a controller that is not ours, and return it.
-
-    Args:
-        value: Value of the controller's status port.
-        catalog: The registered behaviors.
-
-    Raises:
-        TypeError: If it is not a status, or a field is of the wrong type; it names the
-            field.
-        ValueError: If it names a behavior that is not registered, or does not count all
-            events.
-    """
-    status = _instance(value, ControllerStatus, "the port 'controller_status'")
+    """Check the status of a controller that is not ours, and return it."""
+    status = check_type(value, ControllerStatus, "the port 'controller_status'")
     for name, kind in _KINDS.items():
-        _instance(getattr(status, name), kind, name)
+        check_type(getattr(status, name), kind, name)
     _check_all(status.events, "events", Event)
     if status.event_count < len(status.events):
         raise ValueError(
@@ -203,16 +184,5 @@ _KINDS: dict[str, Any] = {
 
 
 def check_paths(value: object) -> PlannedPaths:
-    """Check the value of a controller's port for planned paths and return it.
-
-    Raises:
-        TypeError: If it does not hold ``PlannedPaths``.
-    """
-    return _instance(value, PlannedPaths, "the port 'planned_paths'")
-
-
-def _instance(value: Any, kind: Any, name: str) -> Any:
-    if not isinstance(value, kind):
-        wanted = getattr(kind, "__name__", kind)
-        raise TypeError(f"{name} must be {wanted}, is {shown(value)}")
-    return value
+    """Check the value of a controller's port for planned paths and return it."""
+    return check_type(value, PlannedPaths, "the port 'planned_paths'")

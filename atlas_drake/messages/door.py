@@ -162,12 +162,7 @@ def _joints(message: Command, robot: Robot) -> dict[str, np.ndarray]:
 def check_order(
     lower: np.ndarray, upper: np.ndarray, robot: Robot, field: str = "i_effort_min"
 ) -> None:
-    """Check the bounds of the integral term, shape (number of joints,).
-
-    Raises:
-        InvalidMessageError: If the lower bound of a joint is above the upper one; it
-            names ``field``, one of the two.
-    """
+    """Check the bounds of the integral term, shape (number of joints,)."""
     crossed = np.flatnonzero(lower > upper)
     if crossed.size:
         index = int(crossed[0])

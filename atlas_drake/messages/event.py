@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from atlas_drake.config import as_float
 from atlas_drake.errors import shown
+from atlas_drake.messages.checks import check_type
 
 STEPS_LEFT = "steps left"
 """Kind of the event for requested steps that were not taken."""
@@ -61,22 +62,12 @@ class Event:
     data: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check what everybody relies on.
-
-        Raises:
-            TypeError: If a field is of the wrong type; it names the field.
-            ValueError: If the data of a footstep lacks some.
-        """
+        """Check what everybody relies on."""
         time = as_float(self.time)
-        for name, is_sound, requirement in (
-            ("time", time is not None and math.isfinite(time), "a finite number"),
-            ("kind", isinstance(self.kind, str), "text"),
-            ("text", isinstance(self.text, str), "text"),
-            ("data", isinstance(self.data, Mapping), "a dict"),
-        ):
-            if not is_sound:
-                given = shown(getattr(self, name))
-                raise TypeError(f"{name} of an Event must be {requirement}, is {given}")
+        if time is None or not math.isfinite(time):
+            raise TypeError(f"time must be a finite number, is {shown(self.time)}")
+        for name, kind in (("kind", str), ("text", str), ("data", Mapping)):
+            check_type(getattr(self, name), kind, name)
         if self.kind == FOOTSTEP and (lacking := {*FOOTSTEP_DATA} - self.data.keys()):
             raise ValueError(f"data of an Event {FOOTSTEP!r} lacks {sorted(lacking)}")
 
@@ -92,11 +83,8 @@ class RunEvent(Event):
 
 def fell_last(events: Iterable[Event]) -> bool:
     """Return True if the robot fell since its last reset."""
-    fallen = False
-    for event in events:
-        if event.kind in ("fall", "reset"):
-            fallen = event.kind == "fall"
-    return fallen
+    kinds = [event.kind for event in events if event.kind in ("fall", "reset")]
+    return kinds[-1:] == ["fall"]
 
 
 def first_falls(events: Iterable[Event], fallen: bool = False) -> list[Event]:

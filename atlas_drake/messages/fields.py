@@ -9,10 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 from annotated_types import Ge, Gt, Interval
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BeforeValidator
-from pydantic_core import core_schema
+from pydantic import AfterValidator, BeforeValidator, GetPydanticSchema
 
-from atlas_drake.config import plain_number
+from atlas_drake.config import plain_number, read_as
 
 LARGEST = 1e12
 """Greatest magnitude of a number in a message, in any unit: products of larger numbers
@@ -60,19 +59,10 @@ Index = Annotated[int, BeforeValidator(plain_number)]
 """A whole number of 32 bits."""
 
 
-class Several:
-    """Annotation of a list, tuple or array that is kept as a tuple."""
-
-    def __init__(self, element: Any):
-        """Each element is an ``element``, a type with its annotations."""
-        self._element = element
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Describes the tuple to pydantic."""
-        element = handler.generate_schema(self._element)
-        return core_schema.no_info_before_validator_function(
-            _as_tuple, core_schema.tuple_variable_schema(element)
-        )
+def several(element: Any) -> GetPydanticSchema:
+    """Returns the annotation of a list, tuple or array that is kept as a tuple."""
+    elements: Any = tuple[element, ...]
+    return read_as(Annotated[elements, BeforeValidator(_as_tuple)])
 
 
 def _as_tuple(value: Any) -> tuple[Any, ...]:
@@ -86,11 +76,11 @@ def _as_tuple(value: Any) -> tuple[Any, ...]:
     return tuple(value.tolist() if value.dtype.kind in "iuf" else value)
 
 
-Numbers = Annotated[list[float] | NDArray[Any], Several(Number)]
+Numbers = Annotated[list[float] | NDArray[Any], several(Number)]
 """One number for each joint in message order, or none: "keep the values in force"."""
-Gains = Annotated[list[float] | NDArray[Any], Several(NotNegative)]
+Gains = Annotated[list[float] | NDArray[Any], several(NotNegative)]
 """A gain for each joint, or none."""
-Shares = Annotated[list[int] | NDArray[Any], Several(Byte)]
+Shares = Annotated[list[int] | NDArray[Any], several(Byte)]
 """The user's share for each joint, 0 for the behavior alone to 255, or none."""
 
 

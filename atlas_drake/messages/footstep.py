@@ -24,15 +24,10 @@ UP: np.ndarray = read_only(np.array([0.0, 0.0, 1.0]))
 
 @dataclass(frozen=True)
 class FootPose:
-    """Pose of a sole.
+    """Pose of a sole."""
 
-    Attributes:
-        p_WF: Center of the sole in W [m], shape (3,).
-        R_WF: Orientation of the sole, shape (3, 3).
-    """
-
-    p_WF: np.ndarray
-    R_WF: np.ndarray
+    p_WF: np.ndarray  # Center of the sole in W [m], shape (3,).
+    R_WF: np.ndarray  # Orientation of the sole, shape (3, 3).
 
     @property
     def yaw(self) -> float:
@@ -102,11 +97,7 @@ class Footstep(Frozen):
     action: StepAction = StepAction()
 
     def __post_init__(self) -> None:
-        """Take the point as a read-only array.
-
-        Raises:
-            ValueError: If foot, point or yaw cannot be used; it names the field.
-        """
+        """Check foot and yaw, and take the point as a read-only array."""
         if self.foot not in (LEFT, RIGHT):
             raise ValueError(f"foot must be 0 or 1, is {shown(self.foot)}")
         if as_float(self.yaw) is None:
@@ -121,11 +112,7 @@ class Footstep(Frozen):
 
 
 def points(given: object, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Returns a read-only array of a shape, in which -1 stands for any length.
-
-    Raises:
-        ValueError: If the field ``name`` is given anything else.
-    """
+    """Returns a field as an array of a shape, in which -1 stands for any length."""
     try:
         array = np.array(given, dtype=float)
     except (TypeError, ValueError):

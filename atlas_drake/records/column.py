@@ -45,11 +45,9 @@ class Column:
         return self.labels
 
     def numbers(self, value: Any, size: int) -> list[float | None]:
-        """Returns the numbers of a field's value, one per label; None where missing."""
+        """Returns the numbers of an array, one per label; None where missing."""
         if value is None:
             return [None] * size
-        if not self.labels:
-            return [value]
         numbers = np.asarray(value).ravel().tolist()
         return numbers + [None] * (size - len(numbers))
 

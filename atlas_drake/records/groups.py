@@ -18,6 +18,7 @@ _JOINTS = Names.JOINTS
 _CORNERS = tuple(f"{axis}{i}" for i in range(MAX_CORNERS) for axis in XY)
 _Torque = Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
 _Force = Annotated[Array, Column("contact force in W", "N", XYZ)]
+_Planned = Annotated[Array | None, Column("plan; NaN if none", "m", XY, optional=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +31,7 @@ class BehaviorNumbers(Group):
     status_flags: Annotated[int, Column("bits of BehaviorStatus", kind="i8")]
     trans_from: Annotated[int, Column("last behavior left", kind="i8")]
     trans_to: Annotated[int, Column("last behavior entered or refused", kind="i8")]
-    request_number: Annotated[
-        int, Column("number of the request in force among all messages", kind="i8")
-    ]
+    request_number: Annotated[int, Column("of the request in force", kind="i8")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,18 +41,12 @@ class Joints(Group):
     position: Annotated[Array, Column("measured position", "rad", _JOINTS)]
     velocity: Annotated[Array, Column("measured velocity", "rad/s", _JOINTS)]
     effort: Annotated[Array, Column("effort of the motors", "N·m", _JOINTS)]
-    user_effort: Annotated[
-        Array, Column("effort of the joint controllers, before limits", "N·m", _JOINTS)
-    ]
+    user_effort: Annotated[Array, Column("effort of the user's law", "N·m", _JOINTS)]
     behavior_effort: Annotated[Array, Column("effort of the behavior", "N·m", _JOINTS)]
     position_setpoint: Annotated[Array, Column("the user's set-point", "rad", _JOINTS)]
-    velocity_setpoint: Annotated[
-        Array, Column("the user's set-point", "rad/s", _JOINTS)
-    ]
+    velocity_setpoint: Annotated[Array, Column("the user's rate", "rad/s", _JOINTS)]
     effort_setpoint: Annotated[Array, Column("the user's set-point", "N·m", _JOINTS)]
-    k_effort: Annotated[
-        Array, Column("the user's share, 0 to 255", "", _JOINTS, kind="u1")
-    ]
+    k_effort: Annotated[Array, Column("user's share, 0 to 255", "", _JOINTS, kind="u1")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,19 +128,13 @@ class Balance(Group):
     cop: Annotated[
         Array | None, Column("measured CoP; NaN without load", "m", XY, optional=True)
     ]
-    com_reference: Annotated[
-        Array | None, Column("planned CoM; NaN if none", "m", XY, optional=True)
-    ]
-    dcm_reference: Annotated[
-        Array | None, Column("planned DCM; NaN if none", "m", XY, optional=True)
-    ]
-    cop_reference: Annotated[
-        Array | None, Column("planned CoP; NaN if none", "m", XY, optional=True)
-    ]
+    com_reference: _Planned
+    dcm_reference: _Planned
+    cop_reference: _Planned
     support: Annotated[
         Array | None,
         Column(
-            "corners of the region planned for the CoP; NaN beyond the last",
+            "corners of the region of the CoP; NaN beyond the last",
             "m",
             _CORNERS,
             optional=True,
@@ -165,10 +152,7 @@ class ControllerNumbers(Group):
     """The work of the controller; wall time takes no part in comparisons."""
 
     unsolved: Annotated[int, Column("infeasible ticks so far", kind="i8")]
-    solved: Annotated[
-        int,
-        Column("1 if the QP had a solution, 0 if not; -1 without a QP", kind="i8"),
-    ]
+    solved: Annotated[int, Column("by the QP: 1, 0, or -1 without one", kind="i8")]
     tick_time: Annotated[
         float | None, Column("wall time of the tick", "s", optional=True)
     ] = field(default=None, compare=False)

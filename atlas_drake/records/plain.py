@@ -1,9 +1,9 @@
-"""Converts values of a run to plain data, as JSON has it, and messages back."""
+"""Values of a run as plain data, as JSON has it, and as numbers with names."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -12,6 +12,11 @@ import numpy as np
 from atlas_drake.config import is_number, is_whole
 from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages import Message
+from atlas_drake.records.schema import Schema
+from atlas_drake.records.tick_record import TickRecord
+
+PARTS = ("stand", "walk", "step", "manipulate", "feedback", "plan", "footsteps")
+"""Structured parts of a record whose numbers have names."""
 
 
 def to_plain(value: Any) -> Any:
@@ -50,20 +55,7 @@ def message_from(
     num_joints: int | None = None,
     path: str = "",
 ) -> Message:
-    """Make a message from its fields; omitted fields stay as in an empty message.
-
-    Args:
-        kind: Class of the message.
-        plain: Values by field; a message in a field is a mapping, too. A list of
-            messages may be shorter than in an empty message, such as a step queue.
-        num_joints: Length of the list that replaces a single number in a joint array;
-            None keeps the number.
-        path: Path of the message in the message around it, for errors.
-
-    Raises:
-        InvalidMessageError: If there is no such field, or the value of a message's
-            field is not a mapping. ``door`` checks the other values.
-    """
+    """Make a message from its fields; omitted fields stay as in an empty message."""
     message = kind()
     known = [field.name for field in fields(message)]  # type: ignore[arg-type]
     for name, value in plain.items():
@@ -95,3 +87,42 @@ def _like(default: Any, plain: Any, num_joints: int | None, path: str) -> Any:
     if not default and num_joints is not None and is_number(plain):
         return [plain] * num_joints
     return plain
+
+
+# ---- numbers by name, such as ``balance.com.x`` ------------------------------
+
+
+def flat_units(schema: Schema, record: TickRecord) -> dict[str, str]:
+    """Returns the unit of each number of a record by name; empty for parts."""
+    parts = {name: "" for part in PARTS for name, _ in _part(record, part)}
+    return schema.units | parts
+
+
+def flat_numbers(
+    schema: Schema, record: TickRecord, names: Collection[str]
+) -> dict[str, float]:
+    """Returns some numbers of a record by name; NaN for what it does not have."""
+    found: dict[str, float] = {}
+    for topic in {name.partition(".")[0] for name in names}:
+        if topic in PARTS:
+            found |= _part(record, topic)
+        elif topic in schema.groups:
+            plain = schema.plain(topic, getattr(record, topic))
+            found |= numbers_in(plain, topic)
+    return {name: found.get(name, float("nan")) for name in names}
+
+
+def _part(record: TickRecord, name: str) -> Iterator[tuple[str, float]]:
+    return numbers_in(to_plain(getattr(record, name)), name)
+
+
+def numbers_in(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Yields paths and numbers in a plain value; truth values count as 0 and 1."""
+    if isinstance(value, (bool, int, float)):
+        yield path, float(value)
+    elif isinstance(value, dict):
+        for name, item in value.items():
+            yield from numbers_in(item, f"{path}.{name}")
+    elif isinstance(value, list):
+        for place, item in enumerate(value):
+            yield from numbers_in(item, f"{path}.{place}")

@@ -6,7 +6,7 @@ The columns stand beside the fields of the records; only the labels depend on th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import NoneType, UnionType
 from typing import Any, get_args, get_type_hints
@@ -52,38 +52,44 @@ class Schema(Frozen):
     def columns(self) -> dict[str, Column]:
         """All columns with their labels, by name such as ``balance.dcm``."""
         found = {TIME: TickRecord.columns()[TIME]}
-        for group in self.groups:
-            for name, column in GROUPS[group].columns().items():
-                found[f"{group}.{name}"] = self._labelled(column)
+        for group, part in self.parts.items():
+            found |= {f"{group}.{name}": column for name, column in part.items()}
         return found
+
+    @cached_property
+    def parts(self) -> dict[str, dict[str, Column]]:
+        """The columns of each group, by field."""
+        return {
+            group: {
+                name: self._labelled(column)
+                for name, column in GROUPS[group].columns().items()
+            }
+            for group in self.groups
+        }
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Units of all numbers but the time, by name such as ``balance.dcm.x``."""
+        return {
+            f"{name}.{label}".rstrip("."): column.unit
+            for name, column in self.columns.items()
+            if name != TIME
+            for label in column.elements or ("",)
+        }
 
     def _labelled(self, column: Column) -> Column:
         if isinstance(column.labels, Names):
             return replace(column, labels=self.names[column.labels])
         return column
 
-    @cached_property
-    def _parts(self) -> dict[str, tuple[tuple[str, Column, tuple[str, ...]], ...]]:
-        """Fields, columns and labels of each group."""
-        parts = {}
-        for group in self.groups:
-            part = []
-            for field in fields(GROUPS[group]):  # type: ignore[arg-type]
-                column = self.columns[f"{group}.{field.name}"]
-                part.append((field.name, column, column.elements))
-            parts[group] = tuple(part)
-        return parts
-
     def plain(self, group: str, value: Group) -> dict[str, Any]:
         """Returns a group as plain numbers by field, and by label."""
         found: dict[str, Any] = {}
-        for name, column, labels in self._parts[group]:
-            number = getattr(value, name)
-            if labels:
-                numbers = column.numbers(number, len(labels))
+        for name, column in self.parts[group].items():
+            found[name] = getattr(value, name)
+            if labels := column.elements:
+                numbers = column.numbers(found[name], len(labels))
                 found[name] = dict(zip(labels, numbers, strict=True))
-            else:
-                found[name] = number
         return found
 
     def group_at(self, group: str, row: Mapping[str, np.ndarray]) -> Group:
@@ -91,7 +97,7 @@ class Schema(Frozen):
         return GROUPS[group](
             **{
                 name: column.value(row[f"{group}.{name}"])
-                for name, column, _ in self._parts[group]
+                for name, column in self.parts[group].items()
             }
         )
 
@@ -104,12 +110,7 @@ class Schema(Frozen):
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Schema:
-        """The reverse of ``to_plain``.
-
-        Raises:
-            KeyError: If a group is not known, as in the log of another version.
-            ValueError: If a name is not known.
-        """
+        """The reverse of ``to_plain``."""
         names = {Names(key): tuple(labels) for key, labels in plain["names"].items()}
         for group in plain["groups"]:
             GROUPS[group]

@@ -317,7 +317,7 @@ class AtlasSimulation:
         """
         begin = self.time
         end = begin + check_number(timeout, "timeout", 0.0)
-        check_number(period, "period", 0.0, strictly=True)
+        check_number(period, "period", 1e-9)
         while not condition(self):
             if self.time >= end - 1e-9:
                 raise WaitTimeoutError(

@@ -19,6 +19,7 @@ from pydrake.systems.framework import (
     InputPort,
     LeafSystem,
     OutputPort,
+    State,
     ValueProducer,
 )
 
@@ -53,6 +54,21 @@ class CachedValue:
     def ticket(self) -> DependencyTicket:
         """Returns the entry's ticket, as Drake's ``CacheEntry.ticket``."""
         return self._system.get_cache_entry(self._index).ticket()
+
+
+class ValueState:
+    """A state of a system that holds any Python object."""
+
+    def __init__(self, system: LeafSystem, start: Any) -> None:
+        self.index = system.DeclareAbstractState(AbstractValue.Make(start))
+
+    def get(self, context: Context) -> Any:
+        """Returns the value."""
+        return context.get_abstract_state(self.index).get_value()
+
+    def set(self, state: Context | State, value: Any) -> None:
+        """Sets the value in a context, or in the state that an update fills in."""
+        state.get_mutable_abstract_state(self.index).set_value(value)
 
 
 class CollectableSystem(LeafSystem, metaclass=_SharedDict):
@@ -101,6 +117,13 @@ class CollectableSystem(LeafSystem, metaclass=_SharedDict):
             prerequisites_of_calc=prerequisites or {self.all_sources_ticket()},
         )
 
+    def declare_value_state(self, start: Any, output: str = "") -> ValueState:
+        """Declares a state, and an output port that shows it if it is named."""
+        state = ValueState(self, start)
+        if output:
+            self.DeclareStateOutputPort(output, state.index)
+        return state
+
     def declare_cached(
         self, name: str, compute: Compute, prerequisites: Tickets | None = None
     ) -> CachedValue:
@@ -109,21 +132,11 @@ class CollectableSystem(LeafSystem, metaclass=_SharedDict):
             allocate=lambda: AbstractValue.Make(NOTHING),
             calc=self._weakly(lambda context, out: out.set_value(compute(context))),
         )
-        tickets = (
-            {self.all_sources_ticket()} if prerequisites is None else prerequisites
-        )
+        tickets = prerequisites or {self.all_sources_ticket()}
         return CachedValue(self, self.DeclareCacheEntry(name, producer, tickets))
 
     def declare_scratch_context(self, create: Callable[[], Context]) -> CachedValue:
-        """Declares a plant's context for calculations, which every Context has.
-
-        Args:
-            create: Function that makes it, such as a plant's ``CreateDefaultContext``.
-
-        Returns:
-            The entry, whose ``Eval`` returns the plant's context. Set the plant's state
-            before each use.
-        """
+        """Declares a plant's context for calculations, to be set before each use."""
         producer = ValueProducer(
             allocate=self._weakly(lambda: AbstractValue.Make(create())),
             calc=ValueProducer.NoopCalc,

@@ -5,7 +5,6 @@ The rules of merging are in ``messages.commands``; this is their system in the d
 
 from typing import Any
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING, replace
@@ -58,7 +57,7 @@ class CommandInterface(CollectableSystem):
             self.declare_value_input("atlas_command"),
             self.declare_value_input("atlas_sim_interface_command"),
         ]
-        self._state = self.DeclareAbstractState(AbstractValue.Make(start))
+        self._state = self.declare_value_state(start)
         self._commands = self.declare_cached(
             "commands in force",
             self._merged,
@@ -84,7 +83,7 @@ class CommandInterface(CollectableSystem):
 
         Messages on the ports count as received; the log of messages is kept.
         """
-        before = context.get_abstract_state(self._state).get_value()
+        before = self._state.get(context)
         atlas_command, sim_command = self._messages(context)
         seen = look(before, atlas_command, sim_command, self._robot)
         after = replace(
@@ -94,29 +93,22 @@ class CommandInterface(CollectableSystem):
             refused=before.refused,
             **seen,
         )
-        context.get_mutable_abstract_state(self._state).set_value(after)
+        self._state.set(context, after)
 
     def receive(self, context: Context, outcome: Accepted | Refusal) -> Refusal | None:
         """Applies a message of a sender outside the diagram.
 
         The message counts as new with any content, and is applied after those on the
         ports. Several messages may be received at one instant.
-
-        Args:
-            context: Context of this system; changed.
-            outcome: What the door says of the message.
-
-        Returns:
-            The refusal of the message; None if it is in force.
         """
         force = self._commands.Eval(context)
         after, refusal = receive(force, outcome, self._robot, context.get_time())
         self._log_refusals(context, after)
-        context.get_mutable_abstract_state(self._state).set_value(after)
+        self._state.set(context, after)
         return refusal
 
     def _log_refusals(self, context: Context, after: ActiveCommand) -> None:
-        log_refusals(context.get_abstract_state(self._state).get_value(), after)
+        log_refusals(self._state.get(context), after)
 
     def _messages(self, context: Context) -> list[Any]:
         """Returns the messages on the two ports; NOTHING for a port without one."""
@@ -126,7 +118,7 @@ class CommandInterface(CollectableSystem):
         ]
 
     def _merged(self, context: Context) -> ActiveCommand:
-        force = context.get_abstract_state(self._state).get_value()
+        force = self._state.get(context)
         atlas_command, sim_command = self._messages(context)
         time = context.get_time()
         return latch(force, atlas_command, sim_command, self._robot, time)
@@ -134,4 +126,4 @@ class CommandInterface(CollectableSystem):
     def _update(self, context: Context, state: State) -> None:
         after: ActiveCommand = self._commands.Eval(context)
         self._log_refusals(context, after)
-        state.get_mutable_abstract_state(self._state).set_value(after)
+        self._state.set(state, after)

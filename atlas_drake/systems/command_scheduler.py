@@ -10,7 +10,6 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING
@@ -32,18 +31,12 @@ class Feedback:
 
 @dataclass(frozen=True)
 class ScheduledCommand:
-    """One entry of a schedule.
+    """One entry of a schedule."""
 
-    Attributes:
-        time: Time to send the command [s].
-        command: The message, or a pure function that makes it from the feedback; None
-            for an entry with a text only.
-        text: Text for the user when the command is sent.
-    """
-
-    time: float
+    time: float  # To send the command [s].
     command: Command | Callable[[Feedback], Command] | None
-    text: str = ""
+    """The message, a pure function that makes it, or None for a text alone."""
+    text: str = ""  # For the user when the command is sent.
 
 
 class CommandScheduler(CollectableSystem):
@@ -68,24 +61,22 @@ class CommandScheduler(CollectableSystem):
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
         self._last = {
-            name: self.DeclareAbstractState(AbstractValue.Make(start))
+            name: self.declare_value_state(start, name)
             for name, start in (
                 ("atlas_command", NOTHING),
                 ("atlas_sim_interface_command", NOTHING),
                 ("sent", 0),
             )
         }
-        for name, index in self._last.items():
-            self.DeclareStateOutputPort(name, index)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def _update(self, context: Context, state: State) -> None:
-        sent: int = context.get_abstract_state(self._last["sent"]).get_value()
+        sent: int = self._last["sent"].get(context)
         # A small tolerance: times are sums of rounded periods.
         now = context.get_time() + 1e-9
         if sent == len(self.schedule) or self.schedule[sent].time > now:
             return
-        state.get_mutable_abstract_state(self._last["sent"]).set_value(sent + 1)
+        self._last["sent"].set(state, sent + 1)
         command = self.schedule[sent].command
         if callable(command):
             feedback = (port.Eval(context) for port in self._feedback)
@@ -95,4 +86,4 @@ class CommandScheduler(CollectableSystem):
         is_joint_command = isinstance(command, AtlasCommand)
         port = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
         message = Sent(copy.deepcopy(command), sent + 1)
-        state.get_mutable_abstract_state(self._last[port]).set_value(message)
+        self._last[port].set(state, message)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, State
 
@@ -59,16 +58,15 @@ class FallMonitor(CollectableSystem):
             "state", plant.num_multibody_states(own)
         )
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
-        self._fall = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
-        self.DeclareStateOutputPort("fall", self._fall)
+        self._fall = self.declare_value_state(NOTHING, "fall")
         self.DeclarePeriodicUnrestrictedUpdateEvent(TICKS * period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
         """Forgets a fall."""
-        context.get_mutable_abstract_state(self._fall).set_value(NOTHING)
+        self._fall.set(context, NOTHING)
 
     def _update(self, context: Context, state: State) -> None:
-        if context.get_abstract_state(self._fall).get_value() is not NOTHING:
+        if self._fall.get(context) is not NOTHING:
             return
         values = self._state_input.Eval(context)
         scratch = self._scratch.Eval(context)
@@ -79,7 +77,7 @@ class FallMonitor(CollectableSystem):
         sign = sign_of_fall(posture, self._nominal_height, self._limits)
         if sign:
             fall = Fall(context.get_time(), sign)
-            state.get_mutable_abstract_state(self._fall).set_value(fall)
+            self._fall.set(state, fall)
 
     def _com_height(self, context: Context) -> float:
         """Computes the height of the center of mass above the lower sole [m]."""

@@ -81,11 +81,10 @@ class Gantry(CollectableSystem):
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
-        self._state = self.DeclareAbstractState(AbstractValue.Make(GantryState()))
+        self._state = self.declare_value_state(GantryState(), "gantry")
         self.DeclareAbstractOutputPort(
             "applied_spatial_force", no_forces.Clone, self._calc_forces
         )
-        self.DeclareStateOutputPort("gantry", self._state)
 
     def hold(
         self,
@@ -96,24 +95,21 @@ class Gantry(CollectableSystem):
         released: float | None = None,
     ) -> None:
         """Holds the pelvis from now on, see ``GantryState``."""
-        self._set(context, GantryState(p_WH.copy(), R_WH.copy(), drop, released))
+        self._state.set(context, GantryState(p_WH.copy(), R_WH.copy(), drop, released))
 
     def release(self, context: Context) -> None:
         """Lowers the robot and then unloads the gantry; no effect if it is slack."""
         state, now = self.state(context), context.get_time()
         if state.p_WH is not None and (state.released is None or state.released > now):
-            self._set(context, replace(state, released=now))
+            self._state.set(context, replace(state, released=now))
 
     def let_go(self, context: Context) -> None:
         """Makes the gantry slack from now on."""
-        self._set(context, GantryState())
+        self._state.set(context, GantryState())
 
     def state(self, context: Context) -> GantryState:
         """Returns the state of the gantry."""
-        return context.get_abstract_state(self._state).get_value()
-
-    def _set(self, context: Context, state: GantryState) -> None:
-        context.get_mutable_abstract_state(self._state).set_value(state)
+        return self._state.get(context)
 
     def _calc_forces(self, context: Context, output: AbstractValue) -> None:
         forces = self._others.Eval(context) if self._others.HasValue(context) else []
@@ -170,13 +166,9 @@ class Gantry(CollectableSystem):
         scratch: Context,
         others: Sequence[ExternallyAppliedSpatialForce],
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes the pelvis' acceleration without the gantry, and its compliance.
+        """Computes the pelvis' acceleration without the gantry, and Λ; spatial, in W.
 
         Contact forces are those of the last control tick; joint friction is neglected.
-
-        Returns:
-            Spatial acceleration in W [rad/s²; m/s²], shape (6,), and accelerations per
-            force Λ [rad/s² per N·m and so on], shape (6, 6).
         """
         plant = self._plant
         inside = MultibodyForces(plant)
@@ -216,18 +208,10 @@ def implicit_pull(
 
         F = F_static - D·V⁺   ⇒   F = (1 + D·h·Λ)⁻¹·(F_static - D·V_free)
 
-    V_free has to contain the effect of the motors in the step: joint damping of similar
-    stiffness would be unstable with a damper on the pelvis' present velocity.
-
-    Args:
-        static: F_static, the force without the dampers [N·m; N], shape (6,).
-        damping: D [N·m·s/rad; N·s/m], shape (6,).
-        free: V_free, velocity at the end of the step without this force [rad/s; m/s],
-            shape (6,).
-        response: h·Λ, change of velocity per force, shape (6, 6).
-
-    Returns:
-        F, the force of the gantry [N·m; N], shape (6,).
+    F_static is the force without the dampers [N·m; N], D their coefficients [N·m·s/rad;
+    N·s/m], h·Λ the change of velocity per force, shape (6, 6). V_free has to contain
+    the effect of the motors in the step: joint damping of similar stiffness would be
+    unstable with a damper on the pelvis' present velocity.
     """
     return np.linalg.solve(
         np.eye(6) + damping[:, None] * response, static - damping * free

@@ -68,12 +68,7 @@ class ImuModel:
         noise: SensorNoise,
         time: float,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Computes a measurement from true state and generalized accelerations.
-
-        Returns:
-            Orientation of the IMU in W as a quaternion with w first, angular velocity
-            [rad/s] and specific force [m/s²] in the IMU's frame.
-        """
+        """Computes orientation (w first), angular velocity and specific force in I."""
         w_WP = state.take(self.w)
         base = acceleration.take(self._base)
         alpha_WP, a_WP = base[:3], base[3:]

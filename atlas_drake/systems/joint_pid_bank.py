@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, DiscreteValues, State
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
@@ -123,7 +122,7 @@ class JointPidBank(CollectableSystem):
             "user_effort", n, self._effort, {self._step.ticket()}
         )
         self._scratch = self.declare_scratch_context(self._inverse_mass.create_context)
-        self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
+        self._prepared = self.declare_value_state(NOTHING)
         self._carried = self.DeclareDiscreteState(n)
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicDiscreteUpdateEvent(
@@ -137,7 +136,7 @@ class JointPidBank(CollectableSystem):
         """Clears the state of the law, its integrals included."""
         context.SetDiscreteState(self._memory, self._at_start)
         context.SetDiscreteState(self._carried, self._nothing)
-        context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
+        self._prepared.set(context, NOTHING)
 
     def _compute_step(self, context: Context) -> PidStep:
         source: JointCommand = self._command_input.Eval(context)
@@ -224,7 +223,7 @@ class JointPidBank(CollectableSystem):
 
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
         """Returns the prepared law, computed again if the command has changed."""
-        known = context.get_abstract_state(self._prepared).get_value()
+        known = self._prepared.get(context)
         if known is not NOTHING and known.source is source:
             return known
         return self._prepare(context, source)
@@ -256,12 +255,10 @@ class JointPidBank(CollectableSystem):
         if self._is_idle(context):
             return
         source: JointCommand = self._command_input.Eval(context)
-        known = context.get_abstract_state(self._prepared).get_value()
+        known = self._prepared.get(context)
         if known is not NOTHING and known.source is source:
             q = self._state_input.Eval(context)[self._q]
             is_due = context.get_time() >= known.time + REFRESH_PERIOD - 1e-9
             if not (is_due and np.abs(q - known.q).max() > MOVED):
                 return
-        state.get_mutable_abstract_state(self._prepared).set_value(
-            self._prepare(context, source)
-        )
+        self._prepared.set(state, self._prepare(context, source))

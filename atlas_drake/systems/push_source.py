@@ -181,25 +181,18 @@ class PushSource(CollectableSystem):
         self._status_input = self.declare_value_input("controller_status")
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
-        self._pushes = self.DeclareAbstractState(
-            AbstractValue.Make(self.schedule(plans))
-        )
-        ticket = self.abstract_state_ticket(self._pushes)
+        self._pushes = self.declare_value_state(self.schedule(plans), "pushes")
+        ticket = self.abstract_state_ticket(self._pushes.index)
         self.DeclareAbstractOutputPort(
             "applied_spatial_force",
             no_forces.Clone,
             self._calc_forces,
             {ticket, self._others.ticket()},
         )
-        self.DeclareStateOutputPort("pushes", self._pushes)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def schedule(self, plans: Sequence[PlannedPush]) -> PushState:
-        """Returns the state of a run that begins with these plans.
-
-        Raises:
-            ScenarioError: If the robot lacks a body that is to be pushed.
-        """
+        """Returns the state of a run that begins with these plans."""
         for index, plan in enumerate(plans):
             try:
                 self._make(plan, 0.0, 0.0)
@@ -213,7 +206,7 @@ class PushSource(CollectableSystem):
 
     def begin(self, context: Context, state: PushState) -> None:
         """Begins a run with a state from ``schedule``."""
-        context.get_mutable_abstract_state(self._pushes).set_value(state)
+        self._pushes.set(context, state)
 
     def push(
         self,
@@ -222,17 +215,7 @@ class PushSource(CollectableSystem):
         force_W: Sequence[float] | np.ndarray,
         duration: float,
     ) -> None:
-        """Pushes a body from now on.
-
-        Args:
-            context: Context of this system; changed.
-            body: Name of the link.
-            force_W: Force in W [N], shape (3,).
-            duration: Duration of the push [s], positive.
-
-        Raises:
-            InvalidMessageError: If there is no such body or a value is invalid.
-        """
+        """Pushes a body with a force in W [N] from now on, for ``duration`` [s]."""
         now = context.get_time()
         push = self._checked(body, force_W, now, duration)
         after = self.state(context).with_push(push)
@@ -248,7 +231,7 @@ class PushSource(CollectableSystem):
 
     def state(self, context: Context) -> PushState:
         """Returns the state of the pushes."""
-        return context.get_abstract_state(self._pushes).get_value()
+        return self._pushes.get(context)
 
     def _checked(
         self,
@@ -258,7 +241,7 @@ class PushSource(CollectableSystem):
         duration: float,
     ) -> Push:
         force = check_vector(force_W, "force_W", 3, LARGEST_FORCE)
-        check_number(duration, "duration", 0.0, strictly=True)
+        check_number(duration, "duration", SAME_TIME)
         if body not in self._bodies:
             hint = did_you_mean(str(body), self._bodies)
             hint = hint or f" It has {', '.join(self._bodies)}."
@@ -276,7 +259,8 @@ class PushSource(CollectableSystem):
             return
         if pushes.awaited and now > 0.0:  # Loads exist from the first step on.
             weight = self._robot.mass * GRAVITY
-            left = time_to_touchdown(self._status_input.Eval(context))
+            status: ControllerStatus = self._status_input.Eval(context)
+            left = max(0.0, getattr(status.feedback, "t_step_rem", 0.0))
             loads = [load / weight for load in self._load_input.Eval(context).tolist()]
             pushes = pushes.watched(now, loads, left)
         stop = now + self._period
@@ -292,9 +276,7 @@ class PushSource(CollectableSystem):
                 pushes = pushes.with_push(self._make(plan, heading, time))
         active = tuple(push for push in pushes.active if push.end > now + SAME_TIME)
         forces = tuple((push.body, push.mean_force(now, stop)) for push in active)
-        state.get_mutable_abstract_state(self._pushes).set_value(
-            replace(pushes, active=active, forces=forces)
-        )
+        self._pushes.set(state, replace(pushes, active=active, forces=forces))
 
     def _calc_forces(self, context: Context, output: AbstractValue) -> None:
         forces = self._others.Eval(context) if self._others.HasValue(context) else []
@@ -307,8 +289,3 @@ class PushSource(CollectableSystem):
         applied.body_index = self._bodies[body]
         applied.F_Bq_W = SpatialForce(np.zeros(3), force_W)
         return applied
-
-
-def time_to_touchdown(status: ControllerStatus) -> float:
-    """Returns the planned time until the next touchdown [s]; 0 if none is planned."""
-    return max(0.0, getattr(status.feedback, "t_step_rem", 0.0))

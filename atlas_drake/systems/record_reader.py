@@ -95,15 +95,7 @@ class RecordListener(CollectableSystem):
         paths: bool = False,
         contacts: bool = False,
     ) -> None:
-        """Listens to records.
-
-        Args:
-            listen: Called with each record.
-            period: Time between two control ticks [s].
-            paths: True for records with planned paths every ``PATHS_PERIOD``, and when
-                the behavior changes.
-            contacts: True for records with the forces of single contacts.
-        """
+        """Listens every ``period`` [s], at choice with planned paths and contacts."""
         super().__init__()
         self._listen, self._paths, self._contacts = listen, paths, contacts
         self.inputs = RecordInputs(self)

@@ -4,6 +4,7 @@ Messages are made only when their ports are read; the controller reads plain vec
 """
 
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import partial
 
 import numpy as np
@@ -15,15 +16,13 @@ from pydrake.systems.framework import Context, DiscreteValues
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
+from atlas_drake.records.groups import Gains
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.contact_forces import contact_wrenches, shapes_of
 from atlas_drake.systems.imu import ImuModel, NoisySystem
 
-_GAINS = (
-    *("kp_position", "ki_position", "kd_position", "kp_velocity"),
-    *("i_effort_min", "i_effort_max"),
-)
+_GAINS = [field.name for field in fields(Gains)]
 
 
 class RobotSensors(NoisySystem):

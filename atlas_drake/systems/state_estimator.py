@@ -6,7 +6,6 @@ The filter is ``control.estimation.leg_odometry``; this is its system in the dia
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
@@ -70,21 +69,21 @@ class StateEstimator(CollectableSystem):
         self._loads = self.DeclareVectorInputPort("foot_loads", 2)
         self._start = self.DeclareVectorInputPort("start_state", size)
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
-        self._state = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
+        self._state = self.declare_value_state(EstimatorState())
         self._odometry = self.declare_cached("odometry", self._present)
         self.declare_vector_output("estimated_state", size, self._estimate)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
         """Starts again from the present ``start_state``."""
-        context.get_mutable_abstract_state(self._state).set_value(EstimatorState())
+        self._state.set(context, EstimatorState())
 
     def _update(self, context: Context, state: State) -> None:
         after = EstimatorState(context.get_time(), self._odometry.Eval(context))
-        state.get_mutable_abstract_state(self._state).set_value(after)
+        self._state.set(state, after)
 
     def _present(self, context: Context) -> OdometryState:
-        before: EstimatorState = context.get_abstract_state(self._state).get_value()
+        before: EstimatorState = self._state.get(context)
         if before.odometry is None:
             return self._begin(context)
         dt = context.get_time() - before.time
@@ -116,12 +115,7 @@ class StateEstimator(CollectableSystem):
     def legs(
         self, context: Context, w_WP_P: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes position and velocity of both soles from joints and gyroscope.
-
-        Returns:
-            p_IF [m] and v_IF [m/s], the velocity relative to W and not to the turning
-            pelvis, both in the pelvis' axes; each of shape (2, 3).
-        """
+        """Computes position and velocity of both soles from joints and gyroscope."""
         scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
         # With the pelvis at W's origin, quantities in W are quantities in P.
         pelvis = self._pelvis

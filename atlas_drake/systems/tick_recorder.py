@@ -78,7 +78,7 @@ class TickRecorder(CollectableSystem):
         record: ``TickRecord``.
         marks: Counts of events until now, see ``tick_events``.
 
-    State: the numbers of the last tick, NaN before the first one.
+    State: the numbers of the last tick, NaN before the first one except for marks.
 
     Attributes:
         sizes: Lengths of the signals that ``numbers`` is made of, by name, in order.
@@ -133,6 +133,7 @@ class TickRecorder(CollectableSystem):
         self._gantry = self.declare_value_input("gantry")
         self._scratch = self.declare_scratch_context(self._model.CreateDefaultContext)
         self._nothing = np.full(self._places["marks before"].stop, np.nan)
+        self._nothing[self._places["marks"]] = NO_MARKS
         self._latest = self.DeclareDiscreteState(self._nothing)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._latch)
         self.declare_value_output("record", self._latest_record)
@@ -166,8 +167,7 @@ class TickRecorder(CollectableSystem):
     def events_after_tick(self, context: Context) -> Any:
         """Returns the events since the last tick, which are in no record yet."""
         latest = context.get_discrete_state(self._latest).value()
-        marks = _from_start(latest[self._places["marks"]])
-        return self.events_since(context, marks)[0]
+        return self.events_since(context, latest[self._places["marks"]])[0]
 
     def _latch(self, context: Context, discrete: DiscreteValues) -> None:
         before = context.get_discrete_state(self._latest).value()
@@ -281,9 +281,7 @@ class TickRecorder(CollectableSystem):
                 for body, force_W in self._pushes.Eval(context).forces
             ),
             events=self._events(
-                context,
-                _from_start(latched["marks before"]),
-                latched["marks"].tolist(),
+                context, latched["marks before"].tolist(), latched["marks"].tolist()
             ),
         )
         return read_only(record)
@@ -324,18 +322,10 @@ def _places(sizes: dict[str, int]) -> dict[str, slice]:
     return dict(zip(sizes, map(slice, [0, *ends], ends), strict=False))
 
 
-def _from_start(marks: np.ndarray) -> list[float]:
-    """Returns the marks before the first tick for those that are not known."""
-    known: list[float] = marks.tolist()
-    return known if not np.isnan(known[0]) else [*NO_MARKS]
-
-
 def _request(commands: ActiveCommand, number: int) -> BehaviorRequest:
     """Returns the request of a number among the latest ones."""
-    for request in reversed(commands.requests):
-        if request.number <= number:
-            return request
-    return commands.requests[0]
+    known = (one for one in reversed(commands.requests) if one.number <= number)
+    return next(known, commands.requests[0])
 
 
 def _estimator(latched: dict[str, np.ndarray]) -> Estimator | None:

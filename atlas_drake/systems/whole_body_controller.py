@@ -12,7 +12,6 @@ from collections.abc import Iterable, MutableSequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State
 
 from atlas_drake.behaviors.base import Observation
@@ -105,15 +104,18 @@ class WholeBodyController(CollectableSystem):
         self._user_input = self.declare_value_input("user_forecast")
         self._command_input = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(self._model.create_context)
-        self._state = self.DeclareAbstractState(AbstractValue.Make(start))
+        self._state = self.declare_value_state(start)
         sources = {self.xa_ticket()}
         self.declare_vector_output(
-            "behavior_effort", n, lambda context: self._present(context).effort, sources
+            "behavior_effort",
+            n,
+            lambda context: self._state.get(context).effort,
+            sources,
         )
         self.declare_vector_output(
             "event_count",
             1,
-            lambda context: [self._present(context).supervisor.event_count],
+            lambda context: [self._state.get(context).supervisor.event_count],
             sources,
         )
         self.declare_value_output("controller_status", self._status, sources)
@@ -122,7 +124,7 @@ class WholeBodyController(CollectableSystem):
 
     def reset(self, context: Context, behavior: Behavior) -> None:
         """Starts again with ``behavior``; the events and their count are kept."""
-        before = self._present(context)
+        before = self._state.get(context)
         after = ControllerState(
             self._supervisor.restart(before.supervisor, behavior),
             np.zeros(self._robot.num_joints),
@@ -130,15 +132,12 @@ class WholeBodyController(CollectableSystem):
             unsolved=before.unsolved,
             warned=before.warned,
         )
-        context.get_mutable_abstract_state(self._state).set_value(after)
-
-    def _present(self, context: Context) -> ControllerState:
-        return context.get_abstract_state(self._state).get_value()
+        self._state.set(context, after)
 
     def _update(self, context: Context, state: State) -> None:
         begin = time.perf_counter()
-        after = self._tick(context, self._present(context))
-        state.get_mutable_abstract_state(self._state).set_value(after)
+        after = self._tick(context, self._state.get(context))
+        self._state.set(state, after)
         if self.tick_seconds is not None:
             self.tick_seconds.append(time.perf_counter() - begin)
 
@@ -193,7 +192,7 @@ class WholeBodyController(CollectableSystem):
         )
 
     def _status(self, context: Context) -> ControllerStatus:
-        state = self._present(context)
+        state = self._state.get(context)
         solution = state.solution
         return replace(
             self._supervisor.status(state.supervisor, state.com, state.omega),
@@ -203,5 +202,5 @@ class WholeBodyController(CollectableSystem):
         )
 
     def _paths(self, context: Context) -> PlannedPaths:
-        state = self._present(context)
+        state = self._state.get(context)
         return self._supervisor.paths(state.supervisor, state.com, state.omega)

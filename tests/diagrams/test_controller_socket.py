@@ -254,7 +254,7 @@ def foreign(shared):
         (lambda: ControllerStatus(events=(EVENT,)), "event_count"),
         (lambda: ControllerStatus(events=("oh",), event_count=1), "events"),
         (lambda: ControllerStatus(solved="yes"), "solved"),
-        (lambda: Event(np.nan, "x", "y"), "time of an Event"),
+        (lambda: Event(np.nan, "x", "y"), "time"),
         (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "commanded"),
         (lambda: Plan(support=np.zeros((9, 2))), "support"),
         (lambda: Plan(com_reference=[0.0] * 3), "com_reference"),

@@ -44,8 +44,3 @@ def test_an_unknown_behavior_is_refused_with_the_known_names(value):
     assert caught.value.error_code is ErrorCode.NO_SUCH_BEHAVIOR
     assert caught.value.field == "desired"
     assert all(behavior.name in str(caught.value) for behavior in Behavior)
-
-
-def test_a_misspelt_behavior_gets_a_suggestion():
-    with pytest.raises(InvalidMessageError, match="mean 'MANIPULATE'"):
-        SHIPPED.find("manipulat")

@@ -6,22 +6,6 @@ import pytest
 
 from atlas_drake import messages
 from atlas_drake.errors import ErrorCode
-from atlas_drake.messages import (
-    NO_STEP,
-    AtlasBehaviorFeedback,
-    AtlasBehaviorStepAction,
-    AtlasBehaviorStepFeedback,
-    AtlasBehaviorWalkFeedback,
-    AtlasSimInterfaceCommand,
-    AtlasSimInterfaceState,
-    AtlasState,
-    Behavior,
-    BehaviorStatus,
-    Message,
-    StepStatus,
-    ToeOff,
-    WalkStatus,
-)
 
 TRUNK = "back_bkz back_bky back_bkx neck_ry"
 LEG = "leg_hpz leg_hpx leg_hpy leg_kny leg_aky leg_akx"
@@ -41,18 +25,28 @@ def names(trunk, leg, arm):
     "joints", [names(TRUNK, LEG, ARM), names(FIRST_TRUNK, FIRST_LEG, FIRST_ARM)]
 )
 def test_joint_indices(joints):
-    assert [getattr(AtlasState, joint) for joint in joints] == list(range(28))
+    assert [getattr(messages.AtlasState, joint) for joint in joints] == list(range(28))
 
 
 @pytest.mark.parametrize(
     ("owner", "prefix", "kind", "values"),
     [
-        (AtlasSimInterfaceCommand, "", Behavior, range(8)),
-        (AtlasSimInterfaceState, "", Behavior, range(8)),
-        (AtlasBehaviorFeedback, "STATUS_", BehaviorStatus, [1 << b for b in range(9)]),
-        (AtlasBehaviorWalkFeedback, "WALK_", WalkStatus, [1, 2, 4, 8, 16]),
-        (AtlasBehaviorStepFeedback, "STEP_", StepStatus, [1, 2]),
-        (AtlasBehaviorStepAction, "TOE_OFF_", ToeOff, range(3)),
+        (messages.AtlasSimInterfaceCommand, "", messages.Behavior, range(8)),
+        (messages.AtlasSimInterfaceState, "", messages.Behavior, range(8)),
+        (
+            messages.AtlasBehaviorFeedback,
+            "STATUS_",
+            messages.BehaviorStatus,
+            [1 << b for b in range(9)],
+        ),
+        (
+            messages.AtlasBehaviorWalkFeedback,
+            "WALK_",
+            messages.WalkStatus,
+            [1, 2, 4, 8, 16],
+        ),
+        (messages.AtlasBehaviorStepFeedback, "STEP_", messages.StepStatus, [1, 2]),
+        (messages.AtlasBehaviorStepAction, "TOE_OFF_", messages.ToeOff, range(3)),
     ],
 )
 def test_messages_have_the_constants_of_the_interface(owner, prefix, kind, values):
@@ -66,18 +60,18 @@ def test_messages_have_the_constants_of_the_interface(owner, prefix, kind, value
 
 def test_error_codes():
     prefixed = [n if n == "NO_ERRORS" else f"ERROR_{n}" for n in ErrorCode.__members__]
-    codes = [getattr(AtlasSimInterfaceState, name) for name in prefixed]
+    codes = [getattr(messages.AtlasSimInterfaceState, name) for name in prefixed]
     assert codes == [0, -1, -2, -3, -4, -5, -6, -7, -8]
-    assert AtlasSimInterfaceState.ERROR_TIME_RAN_BACKWARD == -8
+    assert messages.AtlasSimInterfaceState.ERROR_TIME_RAN_BACKWARD == -8
 
 
 CUSTOMARY = {
     "Quaternion.w": 1.0,
-    "AtlasBehaviorStepData.step_index": NO_STEP,
-    "AtlasBehaviorStepSpec.step_index": NO_STEP,
+    "AtlasBehaviorStepData.step_index": messages.NO_STEP,
+    "AtlasBehaviorStepSpec.step_index": messages.NO_STEP,
     "AtlasBehaviorStepAction.step_duration": 0.7,
     "AtlasBehaviorStepAction.sway_duration": 0.1,
-    "AtlasBehaviorStepAction.toe_off": ToeOff.ENABLE,
+    "AtlasBehaviorStepAction.toe_off": messages.ToeOff.ENABLE,
     "AtlasBehaviorStepAction.sway_end_dist": 0.1,
     "AtlasBehaviorStepAction.step_end_dist": 0.1,
     "AtlasBehaviorPelvisServoParams.pelvis_height": 0.8,
@@ -91,7 +85,7 @@ def test_an_empty_message_is_zero_but_for_the_customary_values():
     values = {
         f"{kind.__name__}.{field.name}": getattr(kind(), field.name)
         for kind in vars(messages).values()
-        if is_dataclass(kind) and issubclass(kind, Message)
+        if is_dataclass(kind) and issubclass(kind, messages.Message)
         for field in fields(kind)
     }
     numbers = {k: v for k, v in values.items() if isinstance(v, (int, float))}

@@ -6,7 +6,6 @@ from pydrake.systems.analysis import Simulator
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Behavior
-from atlas_drake.messages.commands import Sent
 from atlas_drake.systems.command_interface import CommandInterface
 
 PERIOD = 0.002
@@ -63,30 +62,6 @@ def test_a_message_is_in_force_at_once_and_stays_so_when_it_leaves_the_port(send
         sender.tick()
         sender.put(ATLAS, NOTHING)
         sender.put(SIM, NOTHING)
-
-
-def test_a_message_that_stays_is_taken_once_and_again_if_it_is_sent_again(sender):
-    message = AtlasSimInterfaceCommand(behavior="STAND")
-    sender.put(SIM, message)
-    sender.tick(5)
-    # What left the door is the same message, and is not looked at again.
-    sender.put(SIM, sender.out().request.command)
-    sender.tick(5)
-    assert sender.out().request.command == message
-    for number in (1, 2, 3):
-        assert sender.out().request.number == number
-        sender.put(SIM, Sent(message, number))
-        sender.tick(2)
-
-
-def test_a_message_that_its_sender_fills_in_again_is_read_again(sender):
-    message = AtlasCommand()
-    for number in range(1, 6):
-        message.position = [0.1 * number] * 28
-        sender.put(ATLAS, message)
-        sender.tick()
-        assert sender.out().received == number
-        assert sender.out("joint_command").position[0] == 0.1 * number
 
 
 def test_a_stream_of_nan_is_refused_and_logged_once(sender, caplog):

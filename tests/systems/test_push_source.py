@@ -7,9 +7,8 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import PlannedPush, Scenario
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.station_reset import reset_station
-from atlas_drake.messages import AtlasBehaviorWalkFeedback, Behavior
-from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.systems.push_source import Push, time_to_touchdown
+from atlas_drake.messages import Behavior
+from atlas_drake.systems.push_source import Push
 
 PERIOD = 0.009
 PUSH = PlannedPush(time=0.02, impulse=8.0, duration=0.025, frame="world")
@@ -32,15 +31,6 @@ def test_a_period_gets_the_mean_force_of_a_push():
     push = Push("utorso", np.array([90.0, 0.0, 0.0]), 0.012, 0.01)
     means = [push.mean_force(k * PERIOD, (k + 1) * PERIOD)[0] for k in range(4)]
     assert means == pytest.approx([0.0, 60.0, 40.0, 0.0], abs=1e-9)
-
-
-@pytest.mark.parametrize(("left", "expected"), [(0.3, 0.3), (-0.1, 0.0)])
-def test_pushes_read_the_time_to_touchdown_from_any_feedback_that_has_it(
-    left, expected
-):
-    status = ControllerStatus(feedback=AtlasBehaviorWalkFeedback(t_step_rem=left))
-    assert time_to_touchdown(status) == expected
-    assert time_to_touchdown(ControllerStatus()) == 0.0
 
 
 def test_a_push_between_ticks_gives_its_whole_impulse(station):
