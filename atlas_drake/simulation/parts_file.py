@@ -8,14 +8,12 @@ from __future__ import annotations
 import runpy
 import sys
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.diagrams.parts import Parts
 from atlas_drake.errors import AtlasError, ScenarioError
 
-PARTS = tuple(field.name for field in fields(Parts))
+PARTS = ("controller", "behaviors", "world", "extend")
 """Names that a file may define, those of arguments of ``AtlasSimulation``."""
 
 
