@@ -14,10 +14,10 @@ from atlas_drake import (
     Behavior,
     read_log,
 )
-from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.messages.event import Event
+from atlas_drake.simulation.parts_file import load_parts
 
 ROOT = Path(__file__).parents[1]
 FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"

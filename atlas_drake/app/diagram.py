@@ -18,10 +18,6 @@ from atlas_drake.visualization.viewer import open_on_desktop
 FORMATS = (".svg", ".png", ".pdf", ".dot")
 
 
-class PictureError(AtlasError):
-    """The picture cannot be drawn or written."""
-
-
 def show_diagram(options: argparse.Namespace) -> int:
     """Draws the picture and opens it; returns the exit status."""
     draw_diagram(options.file)
@@ -34,10 +30,10 @@ def show_diagram(options: argparse.Namespace) -> int:
 def draw_diagram(path: Path) -> None:
     """Draws the whole simulation into a file, whose ending selects the format."""
     if path.suffix not in FORMATS:
-        raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
+        raise AtlasError(f"{path}: must end in one of {', '.join(FORMATS)}")
     dot = shutil.which("dot")
     if path.suffix != ".dot" and dot is None:
-        raise PictureError(
+        raise AtlasError(
             f"{path}: drawing it needs Graphviz, which is not installed: "
             "apt install graphviz, brew install graphviz or https://graphviz.org; or "
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
@@ -54,6 +50,6 @@ def draw_diagram(path: Path) -> None:
             command, input=source, text=True, check=True, capture_output=True
         )
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error.strerror}") from error
+        raise AtlasError(f"{path}: cannot be written: {error.strerror}") from error
     except subprocess.CalledProcessError as error:
-        raise PictureError(f"{path}: {error.stderr.strip()}") from error
+        raise AtlasError(f"{path}: {error.stderr.strip()}") from error

@@ -26,7 +26,7 @@ from atlas_drake.app.options import (
     view,
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
-from atlas_drake.errors import AtlasError, did_you_mean
+from atlas_drake.errors import AtlasError
 from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
@@ -74,18 +74,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parsed(given: Sequence[str]) -> argparse.Namespace:
-    """Parses the arguments; ends the process with a suggestion for a mistyped word."""
-    parser, commands = _parser(given)
-    if given and not given[0].startswith("-") and given[0] not in commands:
-        hint = did_you_mean(given[0], commands) or f" There are {', '.join(commands)}."
-        parser.error(f"there is no command {given[0]!r}.{hint}")
-    options, unknown = parser.parse_known_args(given)
-    if unknown:
-        command = commands[options.command]
-        known = command._option_string_actions
-        hint = did_you_mean(unknown[0].partition("=")[0], known)
-        command.error(f"unrecognized arguments: {' '.join(unknown)}.{hint}")
-    return options
+    """Parses the arguments; ends the process if they cannot be used."""
+    return _parser(given).parse_args(given)
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
@@ -116,10 +106,8 @@ def _behaviors_and_worlds() -> str:
     )
 
 
-def _parser(
-    given: Sequence[str],
-) -> tuple[_Parser, dict[str, _Parser]]:
-    """Returns the parser, and the parsers of the commands by their names."""
+def _parser(given: Sequence[str]) -> _Parser:
+    """Makes the parser of the command line."""
     told = ""
     asks_for_help = not {"-h", "--help"}.isdisjoint(given)
     if asks_for_help and given[0] in ("demo", "run", "script", "teleop"):
@@ -185,16 +173,24 @@ def _parser(
     add_run_options(script)
     script.set_defaults(run="script.run_script", reads=("file", "scenario", "parts"))
 
-    plot = commands.add_parser(
+    def on_log(name: str, *, run: str, help: str, description: str) -> _Parser:
+        """Adds a command that reads a log."""
+        command = commands.add_parser(
+            name, help=help, description=description, epilog=_LOG_EXIT_STATUS
+        )
+        command.add_argument("log", metavar="LOG", type=Path)
+        command.set_defaults(run=run, reads=("log",))
+        return command
+
+    plot = on_log(
         "plot",
         help="draw a page of figures of a log",
         description="Draw behaviors and k_effort over time, joints and their "
         "set-points, efforts against their limits, balance from above and over time, "
         "feet, and the controller's tick times; or chosen columns. Logs come from "
         "--log of `demo` and `run`.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.plot_log",
     )
-    plot.add_argument("log", metavar="LOG", type=Path)
     plot.add_argument(
         "--channels",
         nargs="?",
@@ -204,29 +200,25 @@ def _parser(
         "balance.com.x,walk,*.l_leg_kny; without names, list all columns",
     )
     _add_output(plot, "a .png, .svg or .pdf file (default: run.png for run.mcap)")
-    plot.set_defaults(run="log.plot_log", reads=("log",))
 
-    export = commands.add_parser(
+    export = on_log(
         "export",
         help="write the columns of a log as a table",
         description="Write every number of every control tick, by the names that "
         "`plot --channels` lists.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.export_log",
     )
-    export.add_argument("log", metavar="LOG", type=Path)
     _add_output(
         export, "a .parquet, .csv or .npz file (default: run.parquet for run.mcap)"
     )
-    export.set_defaults(run="log.export_log", reads=("log",))
 
-    replay = commands.add_parser(
+    replay = on_log(
         "replay",
         help="watch a log",
         description="Show the robot as the log has it, with footsteps, in the 3D view. "
         "Nothing is simulated.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.replay_log",
     )
-    replay.add_argument("log", metavar="LOG", type=Path)
     watch = replay.add_argument_group("how you watch it")
     add_speed_options(watch, "no 3D view: for --record alone, as fast as possible")
     watch.add_argument(
@@ -245,17 +237,16 @@ def _parser(
     add_address_options(watch)
     add_show_option(watch, "none")
     add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(run="log.replay_log", reads=("log", "beside"))
+    replay.set_defaults(reads=("log", "beside"))
 
-    film = commands.add_parser(
+    film = on_log(
         "film",
         help="film a log",
         description="Film the robot as the log has it, with footsteps, into a video. "
         "Needs no display; nothing is simulated. Takes 2 to 5 s for each second of the "
         'log. Needs `pip install "atlas-drake[video]"`.',
-        epilog=_LOG_EXIT_STATUS,
+        run="film.film_log",
     )
-    film.add_argument("log", metavar="LOG", type=Path)
     pictures = film.add_argument_group("what the film shows")
     film.add_argument(
         "-o",
@@ -280,7 +271,6 @@ def _parser(
         "and with --show follow, the camera follows the robot)",
     )
     add_show_option(pictures, "none")
-    film.set_defaults(run="film.film_log", reads=("log",))
 
     teleop = commands.add_parser(
         "teleop",
@@ -332,7 +322,7 @@ def _parser(
         help="do not open the picture where there is a desktop",
     )
     diagram.set_defaults(run="diagram.show_diagram", reads=())
-    return parser, commands.choices
+    return parser
 
 
 def _add_output(parser: argparse.ArgumentParser, help: str) -> None:

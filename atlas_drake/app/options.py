@@ -10,7 +10,6 @@ import math
 import re
 from pathlib import Path
 
-from atlas_drake.app.parts import add_parts_option
 from atlas_drake.errors import ScenarioError
 from atlas_drake.visualization import FILM_SIZE
 from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
@@ -52,7 +51,14 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         help="set any field of the scenario, such as controller.gains.dcm_gain=2.5, "
         "jitter.mass=0.05 or plant.stiction_tolerance=1e-3; may be given several times",
     )
-    add_parts_option(robot)
+    robot.add_argument(
+        "--with",
+        dest="parts",
+        type=Path,
+        metavar="FILE.py",
+        help="put in parts of your own: those of controller, behaviors, world, extend "
+        "that the file defines, as AtlasSimulation takes them",
+    )
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:

@@ -18,7 +18,9 @@ from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log
+from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 
@@ -53,6 +55,10 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
             raise ScenarioError(
                 option, str(path), f"{path} must end in .html: it is a web page"
             )
+        if name == "log":
+            check_log_path(path)
+        if name == "video":
+            check_film(path, options.video_size)
         before = taken.setdefault(path.resolve(), option)
         if before != option:
             raise ScenarioError(option, str(path), f"{path} is already {before}")
@@ -81,14 +87,16 @@ def keep(
     return True
 
 
-def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool:
-    """Writes a text file at the end of a run, as ``keep`` does, whole or not at all."""
+def keep_file(
+    path: Path, write: Callable[[Path], object], progress: StatusLine, use: str = "."
+) -> bool:
+    """Writes a file, as ``keep`` does, whole or not at all."""
 
-    def write() -> None:
+    def whole() -> None:
         with atomic_write(path) as unfinished:
-            unfinished.write_text(text, encoding="utf-8")
+            write(unfinished)
 
-    return keep(path, write, progress, lambda _written: use)
+    return keep(path, whole, progress, lambda _written: use)
 
 
 def keep_log(
@@ -172,8 +180,13 @@ def keep_recording(
         return True
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    use = "; open it in a browser."
-    return keep_text(options.record, meshcat.StaticHtml(), progress, use)
+    page = meshcat.StaticHtml()
+    return keep_file(
+        options.record,
+        lambda file: file.write_text(page, encoding="utf-8"),
+        progress,
+        "; open it in a browser.",
+    )
 
 
 def shown_of_log(names: Iterable[str], log: Log, progress: StatusLine) -> list[str]:

@@ -1,6 +1,6 @@
 """Python files of a user that bring parts of a simulation, or functions.
 
-Runs the files and takes what they define. The options that name them are in ``app``.
+Runs the files and takes what they define.
 """
 
 from __future__ import annotations
@@ -39,3 +39,18 @@ def run_file(path: Path, option: str) -> dict[str, Any]:
 def parts_in(names: Mapping[str, Any]) -> dict[str, Any]:
     """The parts among what a file defines: arguments of ``AtlasSimulation``."""
     return {name: names[name] for name in PARTS if name in names}
+
+
+def load_parts(path: Path | None) -> dict[str, Any]:
+    """Returns the parts in the file of ``--with``, if there is one.
+
+    Raises:
+        ScenarioError: If the file fails, or defines no part.
+    """
+    if path is None:
+        return {}
+    parts = parts_in(run_file(path, "--with"))
+    if not parts:
+        problem = f"{path} defines none of {', '.join(PARTS)}"
+        raise ScenarioError("--with", str(path), problem)
+    return parts

@@ -60,10 +60,8 @@ def test_help_names_commands_and_options(arguments, words, capsys):
     ("arguments", "complaint"),
     [
         ([], "COMMAND"),
-        (["dance"], "no command 'dance'. There are demo, run"),
-        (["dmo"], "Did you mean 'demo'?"),
-        (["demo", "--hedless"], "--hedless. Did you mean '--headless'?"),
-        (["plot", "a.mcap", "--xyz"], "--xyz. (see atlas-drake plot --help)"),
+        (["dance"], "'dance'"),
+        (["plot", "a.mcap", "--xyz"], "--xyz"),
         (["run"], "SCENARIO.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
         (["demo", "--duration", "long"], "--duration"),
