@@ -77,13 +77,7 @@ def add_controller(
     """Adds a controller to a station, under the name ``controller``.
 
     A callable source gets the ``scenario``: resolved, its steps on the common grid.
-
-    Returns:
-        Output ports by name: efforts, status, planned paths, number of events.
-
-    Raises:
-        ControllerError: If the source is neither, or does not return a System; if the
-            controller lacks the port for efforts, or a port has another size or type.
+    Returns efforts, status, planned paths and number of events, by name of the port.
     """
     controller: Any = source
     if not isinstance(source, System) and callable(source):
@@ -128,12 +122,7 @@ def add_controller(
 def connect_controller(
     builder: DiagramBuilder, sources: Mapping[str, OutputPort]
 ) -> None:
-    """Connects every input port of the controller to the source of its name.
-
-    Raises:
-        ControllerError: If the controller has an input that nothing can feed, or one of
-            another size or type, or efforts that depend on themselves.
-    """
+    """Connects every input port of the controller to the source of its name."""
     controller: Any = builder.GetSubsystemByName(CONTROLLER)
     effort = controller.GetOutputPort(EFFORT).get_index()
     for index in range(controller.num_input_ports()):

@@ -32,12 +32,7 @@ PATIENCE = 2.0
 
 
 def film_log(options: argparse.Namespace) -> int:
-    """Films a log; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read.
-        FilmError: If the film cannot be made; raised before it is begun.
-    """
+    """Films a log; returns the exit status."""
     path = options.output or options.log.with_suffix(".mp4")
     if path.resolve() == options.log.resolve():
         raise ScenarioError("--output", str(path), f"{path} is the log")

@@ -99,12 +99,7 @@ def _needs_extra(extra: str) -> Iterator[None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view, or records it; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read, or there is nothing to do.
-        ScenarioError: If a file or an address cannot be used; raised before the replay.
-    """
+    """Plays a log in the 3D view, or records it; returns the exit status."""
     if options.headless and options.record is None:
         raise LogError(
             "--headless shows nothing: add --record FILE.html, or leave it out to watch"

@@ -58,11 +58,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return exit_status.BAD_INPUT
     except KeyboardInterrupt:
         return exit_status.INTERRUPTED
-    except ImportError as error:
-        # Drake's modules raise this on Ctrl-C while they load.
-        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
-            return exit_status.INTERRUPTED
-        raise
 
 
 class _Parser(argparse.ArgumentParser):
@@ -75,7 +70,7 @@ class _Parser(argparse.ArgumentParser):
 
 def _parsed(given: Sequence[str]) -> argparse.Namespace:
     """Parses the arguments; ends the process if they cannot be used."""
-    return _parser(given).parse_args(given)
+    return _parser().parse_args(given)
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
@@ -89,29 +84,8 @@ def _check_files_read(options: argparse.Namespace) -> None:
             raise AtlasError(f"{path}: there is no such file")
 
 
-def _behaviors_and_worlds() -> str:
-    """Returns what the help of a run says of the names that it takes."""
-    # Drake loads only for those who ask.
-    from atlas_drake.messages.behavior_catalog import SHIPPED
-    from atlas_drake.scenario.world_file import available_worlds, load_world
-
-    behaviors = [
-        f"{entry.name} ({entry.number}): {entry.description.rstrip('.')}"
-        for entry in SHIPPED
-    ]
-    worlds = [f"{name} ({load_world(name).description})" for name in available_worlds()]
-    return (
-        f". Behaviors that a command can ask for: {'; '.join(behaviors)}. "
-        f"Worlds: {', '.join(worlds)}."
-    )
-
-
-def _parser(given: Sequence[str]) -> _Parser:
+def _parser() -> _Parser:
     """Makes the parser of the command line."""
-    told = ""
-    asks_for_help = not {"-h", "--help"}.isdisjoint(given)
-    if asks_for_help and given[0] in ("demo", "run", "script", "teleop"):
-        told = _behaviors_and_worlds()
     parser = _Parser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -131,7 +105,7 @@ def _parser(given: Sequence[str]) -> _Parser:
         description="Atlas changes control modes: it stands by itself, stands under "
         "joint commands, lets go of its arms while it balances, walks four steps "
         "and ends under joint commands again.",
-        epilog=_EXIT_STATUS + told,
+        epilog=_EXIT_STATUS,
     )
     demo.add_argument(
         "--literal",
@@ -147,7 +121,7 @@ def _parser(given: Sequence[str]) -> _Parser:
         help="simulate a scenario described in a YAML file",
         description="Simulate a scenario; examples are in examples/scenarios/. "
         "Options given here win over the file.",
-        epilog=_EXIT_STATUS + told,
+        epilog=_EXIT_STATUS,
     )
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     add_run_options(run)
@@ -160,7 +134,7 @@ def _parser(given: Sequence[str]) -> _Parser:
         "ROS is stood in for, and what it publishes commands the simulated robot. "
         "Time passes where the program waits. See docs/scripts.md.",
         usage="atlas-drake script [options] FILE.py [-- ARGUMENT ...]",
-        epilog="What follows -- is for the program. " + _EXIT_STATUS + told,
+        epilog="What follows -- is for the program. " + _EXIT_STATUS,
     )
     script.add_argument("file", metavar="FILE.py", type=Path)
     script.add_argument(
@@ -279,7 +253,7 @@ def _parser(given: Sequence[str]) -> _Parser:
         "click on the ground, the pelvis, your share of each joint, pushes. Ctrl-C "
         "ends it.",
         epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
-        "failed, 2 bad input" + told,
+        "failed, 2 bad input",
     )
     teleop.add_argument(
         "scenario",
@@ -315,11 +289,6 @@ def _parser(given: Sequence[str]) -> _Parser:
         default=Path("atlas_drake.svg"),
         metavar="FILE",
         help="a .svg, .png, .pdf or .dot file (default: %(default)s)",
-    )
-    diagram.add_argument(
-        "--no-open",
-        action="store_true",
-        help="do not open the picture where there is a desktop",
     )
     diagram.set_defaults(run="diagram.show_diagram", reads=())
     return parser

@@ -27,8 +27,9 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot.add_argument(
         "--world",
         metavar="WORLD",
-        help="what stands around the robot, and where it starts: a name (below), or "
-        "the path of a world's YAML file; --set world.stairs.rise=0.06 changes a part",
+        help="what stands around the robot, and where it starts: a world's "
+        "name (docs/worlds.md) or the path of its YAML file; "
+        "--set world.stairs.rise=0.06 changes a part",
     )
     robot.add_argument(
         "--seed",

@@ -80,13 +80,8 @@ def run_scenario(
 ) -> int:
     """Runs a scenario with the options of the command line; returns the exit status.
 
-    Args:
-        scenario: The scenario as read; options override its fields.
-        options: Options of ``atlas-drake demo``, ``run`` and ``script``.
-        simulate: Simulates the run; None simulates until the scenario's duration.
-        end: Simulated time of the end [s], infinite if unknown; None is the scenario's
-            duration.
-        may_interrupt: Tells whether Ctrl-C interrupts at once.
+    ``simulate`` runs it until ``end`` [s], infinite if unknown; without them it lasts
+    for the scenario's duration. Ctrl-C interrupts at once if ``may_interrupt``.
     """
     scenario = with_logged_overlays(with_options(scenario, options), options)
     check_outputs(options, ("json", "record", "video", "log"))

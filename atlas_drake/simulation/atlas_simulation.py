@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +48,6 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.simulation.fair_lock import FairLock
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import RunLog, Snapshot
@@ -66,9 +64,8 @@ Hook = Callable[["AtlasSimulation"], object]
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviors.
 
-    Any thread may use any member but ``context``. Members that read an output or change
-    anything wait until the simulating thread pauses, every 20 ms of simulated time;
-    ``time``, ``events`` and the like give the state at the last pause.
+    It is for one thread at a time, as Drake's Context is. Other threads hand over what
+    they want to one of the ``hooks``, by a ``queue.Queue`` for instance.
 
     Attributes:
         robot: Description of the robot: joint names, limits, masses.
@@ -164,7 +161,6 @@ class AtlasSimulation:
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
         self.hooks: list[Hook] = []
-        self._lock = FairLock()
         self._note_begin()
         if view is True and self.meshcat is not None:
             await_viewer(self.meshcat)
@@ -174,7 +170,6 @@ class AtlasSimulation:
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
         self._log = RunLog(self._run)
-        self._failed = False
         self._wall_time = 0.0
 
     def close(self) -> None:
@@ -186,13 +181,10 @@ class AtlasSimulation:
         """
         if self._run.writer is None:
             return
-        with self._lock:
-            try:
-                # An error that ended the run occurs again in this look.
-                with suppress(Exception) if self._failed else nullcontext():
-                    self._look()
-            finally:
-                self._run.close_log()
+        # An error that ended the run occurs again in this look.
+        with suppress(Exception):
+            self._look()
+        self._run.close_log()
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -208,10 +200,8 @@ class AtlasSimulation:
         Messages of one instant are taken in the order in which they are sent, and a
         message that is sent again counts again.
 
-        While another thread simulates, the message is checked here, and received within
-        20 ms of simulated time. A contradiction to the commands in force then, such as
-        a stamp before the last one, is not raised but reported: by ``error_code``, and
-        as an event.
+        A contradiction to the commands in force then, such as a stamp before the last
+        one, is not raised but reported: by ``error_code``, and as an event.
 
         Args:
             message: The command.
@@ -227,14 +217,9 @@ class AtlasSimulation:
                 f"{type(message).__name__}"
             )
         outcome = accept(message, self.robot, self.behaviors)
-        if self._lock.leave(partial(self._receive, outcome)):
-            refusal = outcome if isinstance(outcome, Refusal) else None
-        else:
-            with self._lock:
-                refusal = self._receive(outcome)
-                if refusal is not None:
-                    self._look()
+        refusal = self._receive(outcome)
         if refusal is not None:
+            self._look()
             raise refusal.error
 
     def _receive(self, outcome: Accepted | Refusal) -> Refusal | None:
@@ -255,10 +240,9 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is not a number.
         """
-        with self._lock:
-            source, context = self._run.part("push_source")
-            source.push(context, body, force_W, duration)
-            self._look()
+        source, context = self._run.part("push_source")
+        source.push(context, body, force_W, duration)
+        self._look()
 
     # ---- time ----------------------------------------------------------------
 
@@ -291,14 +275,12 @@ class AtlasSimulation:
             )
         begin = time.perf_counter()
         try:
-            with steady_ticks(), self._noted_error():
+            with steady_ticks():
                 while self.time < end - 1e-9:
                     end += self._call_hooks()
-                    with self._lock:
-                        # Another thread may have had a turn meanwhile.
-                        if self.time < end - 1e-9:
-                            self._run.advance_to(min(end, self.time + CHUNK))
-                            self._look()
+                    if self.time < end - 1e-9:
+                        self._run.advance_to(min(end, self.time + CHUNK))
+                        self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
 
@@ -366,8 +348,7 @@ class AtlasSimulation:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
         rate = check_number(rate, "rate", 0.0)
-        with self._lock:
-            self._run.pace.set_rate(rate)
+        self._run.pace.set_rate(rate)
 
     # ---- start ---------------------------------------------------------------
 
@@ -411,14 +392,13 @@ class AtlasSimulation:
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return
-        with self._lock:
-            # Collect events that precede the reset.
-            self._look()
-            self._run.reset(begin, start, where)
-            text = f"reset, {begin.name} begins"
-            self._tell(self._log.note(RunEvent(self.time, "reset", text)))
-            self.simulator.Initialize()
-            self._look()
+        # Collect events that precede the reset.
+        self._look()
+        self._run.reset(begin, start, where)
+        text = f"reset, {begin.name} begins"
+        self._tell(self._log.note(RunEvent(self.time, "reset", text)))
+        self.simulator.Initialize()
+        self._look()
 
     def restart(self, scenario: Scenario) -> None:
         """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
@@ -445,9 +425,8 @@ class AtlasSimulation:
     def _begin_anew(self, scenario: Scenario) -> None:
         """Begins a run of a scenario that the diagram can take up."""
         self._check_no_file("seed", scenario.seed)
-        with self._lock:
-            self._run.begin(scenario)
-            self._note_begin()
+        self._run.begin(scenario)
+        self._note_begin()
 
     def _check_no_file(self, field: str, value: object) -> None:
         """Raises ScenarioError while a log is written."""
@@ -461,11 +440,10 @@ class AtlasSimulation:
         Takes 2 to 4 ms and 2.5 MB. What a system of your own keeps outside Drake's
         Context is not part of it.
         """
-        with self._lock:
-            self._look()
-            context, variation = self._run.context.Clone(), self._run.variation
-            log = self._log.copy()
-            return Snapshot(context, self.scenario, variation, log, self._wall_time)
+        self._look()
+        context, variation = self._run.context.Clone(), self._run.variation
+        log = self._log.copy()
+        return Snapshot(context, self.scenario, variation, log, self._wall_time)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back (or ahead) to a stored snapshot; a 3D view shows it at once.
@@ -489,12 +467,11 @@ class AtlasSimulation:
                 f"restore takes what snapshot() returned, not {type(snapshot).__name__}"
             )
         self._check_no_file("snapshot", snapshot.time)
-        with self._lock:
-            self._run.restore(snapshot.context, snapshot.scenario, snapshot.variation)
-            self._log = snapshot.log.copy()
-            self._failed, self._wall_time = False, snapshot.wall_time
-            if self.meshcat is not None:
-                self.diagram.ForcedPublish(self.context)
+        self._run.restore(snapshot.context, snapshot.scenario, snapshot.variation)
+        self._log = snapshot.log.copy()
+        self._wall_time = snapshot.wall_time
+        if self.meshcat is not None:
+            self.diagram.ForcedPublish(self.context)
 
     def release(self) -> None:
         """Lets a robot on the gantry down to the ground, and then go.
@@ -502,13 +479,12 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If the scenario has no gantry.
         """
-        with self._lock:
-            if not self.station.HasSubsystemNamed("gantry"):
-                problem = "there is no gantry to release"
-                raise ScenarioError("start.on_gantry", False, problem)
-            gantry, context = self._run.part("gantry")
-            gantry.release(context)
-            self._look()
+        if not self.station.HasSubsystemNamed("gantry"):
+            problem = "there is no gantry to release"
+            raise ScenarioError("start.on_gantry", False, problem)
+        gantry, context = self._run.part("gantry")
+        gantry.release(context)
+        self._look()
 
     # ---- state ---------------------------------------------------------------
 
@@ -519,7 +495,7 @@ class AtlasSimulation:
 
     @property
     def context(self) -> Context:
-        """The diagram's root context; not for use while another thread simulates."""
+        """The diagram's root context."""
         return self._run.context
 
     @property
@@ -587,17 +563,16 @@ class AtlasSimulation:
         Raises:
             ValueError: If the robot has neither a body nor a frame of that name.
         """
-        with self._lock:
-            own = self.robot.instance(self.plant)
-            if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
-                indices = self.plant.GetFrameIndices(own)
-                known = [self.plant.get_frame(index).name() for index in indices]
-                raise ValueError(
-                    f"{self.robot.name} has no frame {name!r}."
-                    f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
-                )
-            frame = self.plant.GetFrameByName(name, own)
-            return frame.CalcPoseInWorld(self._run.plant_context)
+        own = self.robot.instance(self.plant)
+        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
+            indices = self.plant.GetFrameIndices(own)
+            known = [self.plant.get_frame(index).name() for index in indices]
+            raise ValueError(
+                f"{self.robot.name} has no frame {name!r}."
+                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
+            )
+        frame = self.plant.GetFrameByName(name, own)
+        return frame.CalcPoseInWorld(self._run.plant_context)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
@@ -617,8 +592,7 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        with self._lock:
-            return self._run.output(name)
+        return self._run.output(name)
 
     def summary(self) -> dict[str, Any]:
         """Summarizes the run as plain numbers and text, ready for JSON."""
@@ -628,23 +602,13 @@ class AtlasSimulation:
 
     def _look(self) -> None:
         """Collects events."""
-        with self._noted_error():
-            self._tell(self._log.look())
+        self._tell(self._log.look())
 
     def _tell(self, events: Iterable[Event]) -> None:
         """Hands events on, once all of them are kept."""
         if self.on_event is not None:
             for event in events:
                 self.on_event(event)
-
-    @contextmanager
-    def _noted_error(self) -> Iterator[None]:
-        """Notes that an error ended the run, so that ``close`` does not repeat it."""
-        try:
-            yield
-        except Exception:
-            self._failed = True
-            raise
 
 
 def _check_types(**arguments: tuple[object, Any]) -> None:

@@ -42,11 +42,7 @@ def parts_in(names: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def load_parts(path: Path | None) -> dict[str, Any]:
-    """Returns the parts in the file of ``--with``, if there is one.
-
-    Raises:
-        ScenarioError: If the file fails, or defines no part.
-    """
+    """Returns the parts in the file of ``--with``, if there is one."""
     if path is None:
         return {}
     parts = parts_in(run_file(path, "--with"))

@@ -145,11 +145,7 @@ class RunDiagram:
             show_start(meshcat, scenario)
 
     def close_log(self) -> None:
-        """Completes the log, with the latest record and the events after it.
-
-        Raises:
-            LogError: If the log cannot be written, now or earlier in the run.
-        """
+        """Completes the log, with the latest record and the events after it."""
         writer, self.writer = self.writer, None
         if writer is None:
             return

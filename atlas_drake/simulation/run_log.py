@@ -29,12 +29,7 @@ from atlas_drake.systems.tick_events import NO_MARKS
 
 
 class RunLog:
-    """The events of one run, in order of time within each read.
-
-    Attributes:
-        events: All events but the messages that were received.
-        footsteps: Data of the events of landed feet.
-    """
+    """The events of one run but the messages received, in order within each read."""
 
     def __init__(self, run: RunDiagram):
         """Starts without events."""

@@ -1,7 +1,6 @@
 """``AtlasSimulation``: arguments, refusals, and results."""
 
 import json
-import threading
 
 import numpy as np
 import pytest
@@ -282,77 +281,6 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
     assert sim.time == pytest.approx(0.04)
     assert isinstance(caught.value, TimeoutError)
     assert isinstance(caught.value, AtlasError)
-
-
-# ---- threads -------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_no_message_of_another_thread_is_lost(tmp_path):
-    scenario = Scenario()
-    done, sent = threading.Event(), []
-
-    def send():
-        while not done.is_set():
-            sent.append(len(sent))
-            sim.publish(AtlasCommand(effort=[sent[-1]] * 28))
-            if len(sent) % 10 == 0:
-                stamp = sim.atlas_state.header.stamp  # Reading waits for a pause.
-                assert 0.0 <= stamp <= sim.time
-
-    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
-        thread = threading.Thread(target=send)
-        thread.start()
-        try:
-            sim.advance(0.3)
-        finally:
-            done.set()
-            thread.join()
-        assert sim.output("commands").received == len(sent)
-        sim.advance(0.01)
-    log = read_log(tmp_path / "run.mcap")
-    assert [command.message.effort[0] for command in log.commands] == sent
-    assert len(sent) > 100
-
-
-def test_another_thread_is_told_what_is_wrong_with_its_message(sim):
-    caught = []
-
-    def send():
-        inside.wait()
-        for message in (AtlasCommand(position=[0.0]), AtlasCommand()):
-            try:
-                sim.publish(message)
-            except InvalidMessageError as error:
-                caught.append(error.field)
-        sent.set()
-
-    def on_event(event):
-        if event.kind == "push":
-            inside.set()
-            assert sent.wait(10.0)
-
-    # While this thread is in the midst of something, which it finishes first.
-    inside, sent = threading.Event(), threading.Event()
-    sim.on_event = on_event
-    thread = threading.Thread(target=send)
-    thread.start()
-    sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
-    thread.join()
-    assert caught == ["position"]
-    commands = sim.output("commands")
-    assert (commands.received, commands.refused) == (2, 1)
-    sim.advance(0.01)
-    assert [event.kind for event in sim.events] == ["push", "refusal"]
-
-
-def test_threads_that_advance_to_one_time_end_there(sim):
-    threads = [threading.Thread(target=sim.advance_to, args=(0.05,)) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sim.time == pytest.approx(0.05, abs=1e-9)
 
 
 # ---- pushes --------------------------------------------------------------------

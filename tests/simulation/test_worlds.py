@@ -116,30 +116,6 @@ def test_the_command_line_takes_a_world(capsys):
     assert "Did you mean 'stairs'" in capsys.readouterr().err
 
 
-def test_help_names_the_worlds(capsys):
-    with pytest.raises(SystemExit):
-        main(["teleop", "--help"])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "--world WORLD" in told
-    for name in available_worlds():
-        assert f"{name} (" in told
-
-
-def test_the_tutorials_example_walks_past_the_first_gate():
-    scenario = load_scenario(EXAMPLE)
-    assert (scenario.world.name, scenario.schedule) == ("qual_task_1", "tutorial")
-    steps = [
-        step
-        for entry in scenario.messages
-        for step in entry.atlas_sim_interface_command.get("walk_params", {}).get(
-            "step_queue", ()
-        )
-    ]
-    assert [step["step_index"] for step in steps] == list(range(1, len(steps) + 1))
-    gate = 1.1  # The far side of its posts [m].
-    assert all(step["pose"]["position"]["x"] - 0.13 > gate for step in steps[-2:])
-
-
 @pytest.mark.slow
 def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
     sim = AtlasSimulation(load_scenario(EXAMPLE))
