@@ -3,7 +3,7 @@
 import copy
 import pickle
 import runpy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -159,46 +159,6 @@ class Incomplete:
     """Parameters that nobody can make without a number."""
 
     depth: float
-
-
-@dataclass
-class Nested:
-    """Parameters with everything in them that a sender may change."""
-
-    depth: float = 0.1
-    angles: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    speeds: dict = field(default_factory=lambda: {"left": [1.0, 2.0]})
-    feet: set = field(default_factory=lambda: {0})
-    inner: list = field(default_factory=lambda: [Incomplete(0.1)])
-
-
-def test_parameters_are_copied_at_every_depth(bow):
-    sim = AtlasSimulation(behaviors=[replace(bow, params=Nested, check=None)])
-    port = sim.diagram.GetInputPort("atlas_sim_interface_command")
-    params = Nested()
-    port.FixValue(sim.context, asked("BOW", params))
-    kept = sim.output("commands").request.command.params
-    for count, change in enumerate(
-        (
-            lambda: None,
-            lambda: params.angles.fill(9.0),
-            lambda: params.speeds["left"].append(9.0),
-            lambda: params.speeds.update(right=[9.0]),
-            lambda: params.feet.add(9),
-            lambda: setattr(params.inner[0], "depth", 9.0),
-        ),
-        1,
-    ):
-        change()
-        port.FixValue(sim.context, asked("BOW", params))
-        sim.advance(0.01)
-        # A change in place is a new message.
-        assert sim.output("commands").received == count
-    assert kept.angles.tolist() == [0.0, 0.0]
-    assert kept.speeds == {"left": [1.0, 2.0]}
-    assert kept.feet == {0}
-    assert kept.inner == [Incomplete(0.1)]
-    assert sim.output("commands").request.command.params.inner[0].depth == 9.0
 
 
 def test_a_behavior_begins_only_if_its_conditions_are_met(changed):

@@ -265,12 +265,8 @@ def test_ctrl_c_keeps_the_pictures_so_far(log_file, tmp_path, capsys, monkeypatc
     ("options", "word"),
     [
         (["-o", "TMP/a.avi"], ".mp4"),
-        (["-o", "TMP/none/a.mp4"], "no folder"),
         (["-o", "LOG"], "log"),
         (["--view=1,2,3"], "--view"),
-        (["--view=1,2,3,1,2,3"], "--view"),
-        (["--size", "960"], "960x540"),
-        (["--show", "copp"], "'cop'"),
     ],
 )
 def test_options_that_cannot_be_used_exit_with_2(
