@@ -90,7 +90,7 @@ def test_a_frame_of_the_robot_has_a_pose():
     sim = AtlasSimulation()
     assert sim.frame_pose("l_sole").translation()[2] == pytest.approx(0.0, abs=2e-3)
     assert sim.frame_pose("pelvis").IsExactlyEqualTo(sim.pelvis_pose)
-    with pytest.raises(ValueError, match=r"no frame 'l_sol'\. Did you mean 'l_sole'"):
+    with pytest.raises(ValueError, match="no frame 'l_sol'"):
         sim.frame_pose("l_sol")
 
 

@@ -23,7 +23,6 @@ from atlas_drake.app.options import (
     add_speed_options,
     rate,
     size,
-    view,
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.errors import AtlasError
@@ -238,10 +237,11 @@ def _parser() -> _Parser:
     )
     pictures.add_argument(
         "--view",
-        type=view,
-        metavar="X,Y,Z,X,Y,Z",
+        type=float,
+        nargs=6,
+        metavar=("X", "Y", "Z", "X_TO", "Y_TO", "Z_TO"),
         help="place of the camera and of what it looks at, in the world [m], such as "
-        "--view=3,-2,1.5,0,0,1 (default: the view of the world, if it has one; else, "
+        "--view 3 -2 1.5 0 0 1 (default: the view of the world, if it has one; else, "
         "and with --show follow, the camera follows the robot)",
     )
     add_show_option(pictures, "none")

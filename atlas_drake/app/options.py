@@ -186,20 +186,6 @@ def rate(text: str) -> float:
     return rate
 
 
-def view(text: str) -> tuple[list[float], list[float]]:
-    """Reads lens and target of a camera, for argparse."""
-    try:
-        numbers = [float(number) for number in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 6 or numbers[:3] == numbers[3:]:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not the place of the camera and, elsewhere, that of its "
-            "target, such as 3,-2,1.5,0,0,1"
-        )
-    return numbers[:3], numbers[3:]
-
-
 def _port(text: str) -> int:
     # Below 1024 only administrators may listen, and Meshcat does not.
     if not (text.isdecimal() and 1024 <= int(text) <= 65535):

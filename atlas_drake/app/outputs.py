@@ -10,7 +10,7 @@ import logging
 from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.simulation import AtlasSimulation
     from atlas_drake.visualization.overlays import Overlays
-
-T = TypeVar("T")
 
 WEB_PAGES = (".html", ".htm")
 """Endings of a recording's name."""
@@ -66,29 +64,28 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
 
 def keep(
     path: Path,
-    write: Callable[[], T],
+    write: Callable[[], object],
     progress: StatusLine,
-    use: Callable[[T], str] = lambda _written: ".",
+    use: str = "",
 ) -> bool:
-    """Writes a file at the end of a run; returns True on success.
+    """Writes a file, and says how to ``use`` it; returns True on success.
 
-    A file that cannot be written does not affect the others. ``use`` makes, from the
-    result of ``write``, the end of the sentence that names the file.
+    A file that cannot be written does not affect the others.
     """
     try:
-        written = write()
+        write()
     except (OSError, AtlasError) as error:
         problem = getattr(error, "strerror", None) or str(error)
         for known in (f"{path}: ", "cannot be written: "):
             problem = problem.removeprefix(known)
         progress.say(f"! {path} is lost: {problem}")
         return False
-    progress.say(f"Wrote {path}{use(written)}")
+    progress.say(f"Wrote {path}.{use}")
     return True
 
 
 def keep_file(
-    path: Path, write: Callable[[Path], object], progress: StatusLine, use: str = "."
+    path: Path, write: Callable[[Path], object], progress: StatusLine, use: str = ""
 ) -> bool:
     """Writes a file, as ``keep`` does, whole or not at all."""
 
@@ -96,7 +93,7 @@ def keep_file(
         with atomic_write(path) as unfinished:
             write(unfinished)
 
-    return keep(path, whole, progress, lambda _written: use)
+    return keep(path, whole, progress, use)
 
 
 def keep_log(
@@ -112,8 +109,8 @@ def keep_log(
         progress.say(f"{options.log} is not written: nothing was simulated.")
         return True
     progress.say(f"Completing {options.log} ...")
-    use = f"; draw it: atlas-drake plot {options.log}"
-    return keep(options.log, sim.close, progress, lambda _none: use)
+    use = f" Draw it: atlas-drake plot {options.log}"
+    return keep(options.log, sim.close, progress, use)
 
 
 def check_writable(option: str, path: Path) -> None:
@@ -185,7 +182,7 @@ def keep_recording(
         options.record,
         lambda file: file.write_text(page, encoding="utf-8"),
         progress,
-        "; open it in a browser.",
+        " Open it in a browser.",
     )
 
 

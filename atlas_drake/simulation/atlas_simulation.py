@@ -27,7 +27,6 @@ from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
-    did_you_mean,
     shown,
 )
 from atlas_drake.messages import (
@@ -564,14 +563,10 @@ class AtlasSimulation:
             ValueError: If the robot has neither a body nor a frame of that name.
         """
         own = self.robot.instance(self.plant)
-        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
-            indices = self.plant.GetFrameIndices(own)
-            known = [self.plant.get_frame(index).name() for index in indices]
-            raise ValueError(
-                f"{self.robot.name} has no frame {name!r}."
-                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
-            )
-        frame = self.plant.GetFrameByName(name, own)
+        try:
+            frame = self.plant.GetFrameByName(name, own)
+        except (RuntimeError, TypeError) as error:
+            raise ValueError(f"there is no frame {name!r}: {error}") from error
         return frame.CalcPoseInWorld(self._run.plant_context)
 
     @property

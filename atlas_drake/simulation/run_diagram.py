@@ -30,7 +30,7 @@ from atlas_drake.diagrams.contact import set_ground_friction
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
-from atlas_drake.errors import AtlasError, did_you_mean
+from atlas_drake.errors import AtlasError
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
@@ -120,10 +120,6 @@ class RunDiagram:
             self._terrain, self._models = scenario.all_terrain(), scenario.all_models()
             self._has_world = bool(world or self._models)
             self._trial: Context | None = None
-            self._outputs = {
-                self.diagram.get_output_port(index).get_name(): index
-                for index in range(self.diagram.num_output_ports())
-            }
             self.station: Any = self.diagram.GetSubsystemByName("station")
             self.plant: Any = self.station.GetSubsystemByName("plant")
             for name in (CONTROLLER, "tick_recorder"):
@@ -253,14 +249,11 @@ class RunDiagram:
 
     def output(self, name: str) -> Any:
         """Returns the present value of an output port of the diagram."""
-        index = self._outputs.get(name) if isinstance(name, str) else None
-        if index is None:
-            raise ValueError(
-                f"there is no output port {name!r}."
-                f"{did_you_mean(str(name), self._outputs)} "
-                f"Known are {', '.join(self._outputs)}"
-            )
-        return self.diagram.get_output_port(index).Eval(self.context)
+        try:
+            port = self.diagram.GetOutputPort(name)
+        except (RuntimeError, TypeError) as error:
+            raise ValueError(f"there is no output port {name!r}: {error}") from error
+        return port.Eval(self.context)
 
     def _check_place(self, variation: Variation, start: Start) -> None:
         """Tries a place apart from the run; only a model of the world can be there."""

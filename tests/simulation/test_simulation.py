@@ -209,7 +209,7 @@ def test_every_output_port_can_be_read_by_its_name(sim):
     assert {"effort", "state", "atlas_state", "imu"} <= set(names)
     for name in names:
         assert sim.output(name) is not None
-    with pytest.raises(ValueError, match=r"'efort'.*'effort'"):
+    with pytest.raises(ValueError, match="'efort'"):
         sim.output("efort")
     sim.advance(TICK)
     assert sim.output("atlas_state").header.stamp == sim.atlas_state.header.stamp > 0.0
