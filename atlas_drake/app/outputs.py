@@ -20,7 +20,6 @@ from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log
 from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 
@@ -55,8 +54,6 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
             )
         if name == "log":
             check_log_path(path)
-        if name == "video":
-            check_film(path, options.video_size)
         before = taken.setdefault(path.resolve(), option)
         if before != option:
             raise ScenarioError(option, str(path), f"{path} is already {before}")

@@ -35,6 +35,7 @@ from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.parts_file import load_parts
 from atlas_drake.simulation.tutorial import DURATION
+from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
@@ -85,6 +86,8 @@ def run_scenario(
     """
     scenario = with_logged_overlays(with_options(scenario, options), options)
     check_outputs(options, ("json", "record", "video", "log"))
+    if options.video is not None:
+        check_film(options.video, options.video_size)
     quiet_logs()
 
     parts = load_parts(options.parts)
