@@ -21,7 +21,7 @@ from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.viewer import start_meshcat
 
-from .conftest import COMMAND, animation_in
+from .conftest import animation_in
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
@@ -369,25 +369,6 @@ def test_teleop_prints_its_address_and_ends_after_its_duration(capsys):
     out = capsys.readouterr().out
     assert "http://" in out
     assert "Stopped at 0.2 s" in out
-
-
-@pytest.mark.slow
-def test_ctrl_c_ends_teleop_cleanly():
-    process = subprocess.Popen(
-        [*COMMAND, "teleop"],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    for line in process.stdout:
-        if "Steer at" in line:
-            break
-    process.send_signal(signal.SIGINT)
-    out, errors = process.communicate(timeout=60)
-    assert process.returncode == 0, errors
-    assert "Stopped at" in out
-    assert "Traceback" not in errors
 
 
 # ---- the diagram's picture ---------------------------------------------------

@@ -22,9 +22,9 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
+from atlas_drake.behaviors.shipped import shipped_entry
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.config import NotNegative, Share, as_plain
+from atlas_drake.config import Share, as_plain
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,
@@ -35,11 +35,6 @@ from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
-
-
-@dataclass(frozen=True)
-class Speed:
-    speed: NotNegative = 0.3
 
 
 @pytest.fixture(scope="module")
@@ -179,27 +174,6 @@ def test_a_behavior_follows_only_those_that_its_entry_names(sim):
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.MANIPULATE
     assert "MANIPULATE -> BOW refused" in sim.events[-1].text
-
-
-def test_the_behaviors_configuration_reaches_our_controller_made_by_hand(bow):
-    made = []
-    entry = replace(
-        bow,
-        make=lambda tools, config: made.append(config) or bow.make(tools, config),
-        config=Speed(),
-    )
-    scenario = with_settings(Scenario(), ["controller.bow.speed=0.1"])
-
-    def ours(robot, scenario):
-        return make_whole_body_controller(robot, scenario, (*SHIPPED_ENTRIES, entry))
-
-    AtlasSimulation(scenario, controller=ours, behaviors=[entry])
-    assert made == [Speed(0.1)]
-    with pytest.raises(ScenarioError, match="must be greater than or equal to 0"):
-        AtlasSimulation(
-            with_settings(Scenario(), ["controller.bow.speed=-1"]),
-            behaviors=[entry],
-        )
 
 
 def test_a_controller_refuses_a_behavior_that_it_lacks(bow):
@@ -349,8 +323,8 @@ def test_a_users_behavior_is_one_object_and_no_member_of_the_enum():
         ({"conditions": len}, "conditions"),
         ({"follows": "STAND"}, "follows"),
         ({"leads_to": ("STNAD",)}, "leads_to.*STAND"),
-        ({"config": Speed}, "config"),
-        ({"config": Speed(), "config_field": "walk"}, "config_field|'walk'"),
+        ({"config": RestConfig}, "config"),
+        ({"config": RestConfig(), "config_field": "walk"}, "config_field|'walk'"),
         ({"params_field": "walk_params"}, "params_field|walk_params|parameters"),
     ],
 )

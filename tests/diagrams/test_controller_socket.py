@@ -313,29 +313,6 @@ def test_a_controller_that_is_in_a_diagram_already_is_refused():
         make_atlas_station(controller=())
 
 
-def test_a_fall_just_before_an_error_of_the_controller_is_an_event_before_the_reset():
-    failed = []
-
-    def status(context):
-        fall = (Event(0.024, "fall", "oh"),) if context.get_time() > 0.02 else ()
-        return ControllerStatus(events=fall, event_count=len(fall))
-
-    def give(context, out):
-        out.SetZero()
-        if context.get_time() > 0.03 and not failed:
-            failed.append(True)
-            raise ZeroDivisionError("of the user's")
-
-    sim = AtlasSimulation(
-        controller=lambda robot, _: controller_with_status(robot, status, give)
-    )
-    with pytest.raises(ZeroDivisionError):
-        sim.advance(0.1)
-    sim.reset()
-    assert [e.kind for e in sim.events] == ["fall", "reset"]
-    assert not sim.has_fallen
-
-
 def test_planned_paths_of_another_type_are_refused():
     sim = AtlasSimulation(
         controller=lambda robot, _: controller_with_status(

@@ -1,6 +1,5 @@
 """Worlds in a simulation: the robot stands where it starts, and replays show them."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ from pydrake.geometry import Role
 from atlas_drake import (
     AtlasSimulation,
     Behavior,
-    Block,
     Scenario,
     ScenarioError,
     Start,
@@ -78,20 +76,6 @@ def test_the_ground_extends_to_every_allowed_start():
     world = {"start": {"position": beyond}}
     with pytest.raises(ScenarioError, match=r"world.start.position\[1\]"):
         Scenario(world=world).validate()
-
-
-def test_worlds_terrain_models_and_callables_come_together():
-    called = []
-    scenario = load_scenario(EXAMPLE.with_name("ball.yaml"))
-    terrain = [Block(position=[0.0, 5.0, 0.1])]
-    scenario = replace(scenario, world="stairs", terrain=terrain)
-    sim = AtlasSimulation(scenario, world=[called.append])
-    assert sim.plant in called
-    assert sim.plant.HasModelInstanceNamed("ball")
-    names = [f"terrain_{index}" for index in range(5)]
-    inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()
-    for name in names:
-        inspector.GetGeometryIdByName(inspector.world_frame_id(), Role.kProximity, name)
 
 
 def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
