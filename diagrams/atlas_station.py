@@ -7,10 +7,17 @@ Wiring only.
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
-from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.framework import (
+    Context,
+    Diagram,
+    DiagramBuilder,
+    OutputPort,
+    System,
+)
 from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.behaviors.entry import BehaviorEntry
@@ -22,10 +29,13 @@ from atlas_drake.diagrams.contact import (
     set_robot_dissipation,
 )
 from atlas_drake.diagrams.controller_socket import (
+    CONTROLLER,
     ControllerSource,
     add_controller,
+    connect_controller,
 )
 from atlas_drake.diagrams.standing import stand_by_default
+from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
@@ -84,6 +94,19 @@ EXPORTED = (
     "largest_estimation_error",
 )
 """Output ports of a station; the last four only with gantry or state estimator."""
+
+_FORGET = (
+    "joint_pid_bank",
+    "robot_sensors",
+    "inertial_sensor",
+    "state_estimator",
+    "push_source",
+    "fall_monitor",
+    "tick_recorder",
+)
+"""Systems that return to a state of rest; a station need not have every one."""
+_BEGIN = ("command_interface", CONTROLLER)
+"""Systems that restart with a behavior."""
 
 
 def make_atlas_station(
@@ -172,7 +195,7 @@ def make_atlas_station(
     )
     ours = partial(make_whole_body_controller, entries=entries)
     source = ours if controller is None else controller
-    socket = add_controller(builder, source, robot, scenario, catalog)
+    of_controller = add_controller(builder, source, robot, scenario, catalog)
     reporter = add("interface_reporter", InterfaceReporter(robot))
     selector = add("effort_selector", EffortSelector(robot, indices))
     sensors = add(
@@ -195,10 +218,7 @@ def make_atlas_station(
         "body_poses": plant.GetOutputPort("body_poses"),
         "contact_results": plant.GetOutputPort("contact_results"),
         "query_object": scene_graph.get_query_output_port(),
-        "behavior_effort": socket.effort,
-        "controller_status": socket.status,
-        "planned_paths": socket.paths,
-        "event_count": socket.event_count,
+        **of_controller,
     }
     systems = (commands, pid, selector, sensors, statistics, pushes, falls)
     for system in (*systems, reporter):
@@ -218,8 +238,8 @@ def make_atlas_station(
         _connect(builder, system, signals)
     behavior_signals = {**signals, "state": signals["behavior_state"]}
     _connect(builder, reporter, behavior_signals)
-    socket.connect_inputs(
-        builder, **{name: behavior_signals[name] for name in CONTROLLER_INPUTS}
+    connect_controller(
+        builder, {name: behavior_signals[name] for name in CONTROLLER_INPUTS}
     )
     builder.Connect(signals["actuation"], plant.get_actuation_input_port(own))
     builder.Connect(
@@ -244,6 +264,19 @@ def make_atlas_station(
         context = plant.GetMyMutableContextFromRoot(root)
         stand_by_default(plant, robot, terrain, context)
     return station
+
+
+def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
+    """Resets joint controllers, sensors, commands and behaviors."""
+    for names, arguments in ((_FORGET, ()), (_BEGIN, (behavior,))):
+        for name in names:
+            if station.HasSubsystemNamed(name):
+                system: Any = station.GetSubsystemByName(name)
+                context = system.GetMyMutableContextFromRoot(root)
+                if hasattr(system, "reset"):
+                    system.reset(context, *arguments)
+                else:  # A controller without a reset method.
+                    system.SetDefaultContext(context)
 
 
 def ready(

@@ -29,23 +29,18 @@ appends the wall time of each tick [s].
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
+    Context,
     DiagramBuilder,
-    InputPort,
     OutputPort,
     PortDataType,
     System,
 )
-from pydrake.systems.primitives import ConstantValueSource
 
 from atlas_drake.errors import AtlasError, did_you_mean, shown
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
@@ -61,6 +56,7 @@ from atlas_drake.systems.whole_body_controller import WholeBodyController
 ControllerSource: TypeAlias = System | Callable[..., System]
 """A controller, or a callable (robot, scenario) -> System that makes one."""
 EFFORT, STATUS, PATHS = "behavior_effort", "controller_status", "planned_paths"
+COUNT = "event_count"
 DELAYED = ("imu", "user_forecast")
 """Inputs that depend on the efforts, and so must not have direct feedthrough."""
 CONTROLLER = "controller"
@@ -71,120 +67,25 @@ class ControllerError(AtlasError):
     """A controller that does not fit the station's socket."""
 
 
-@dataclass(frozen=True)
-class ControllerSocket:
-    """A controller in a station that is being built.
-
-    Attributes:
-        system: The controller.
-        effort: Output port of its efforts.
-        status: Output port of its status, or of a blank status if it has none.
-        paths: Output port of its planned paths, or of blank paths.
-        event_count: Output port of the number of its events.
-    """
-
-    system: System
-    effort: OutputPort
-    status: OutputPort
-    paths: OutputPort
-    event_count: OutputPort
-
-    def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
-        """Connects every input port that the controller has to the source of its name.
-
-        Raises:
-            ControllerError: If the controller has an input that nothing can feed, or
-                one of another size or type.
-        """
-        for index in range(self.system.num_input_ports()):
-            port = self.system.get_input_port(index)
-            name = port.get_name()
-            if name not in sources:
-                raise ControllerError(
-                    f"{_named(self.system)} has an input port {name!r}, which no port "
-                    f"of the station feeds.{did_you_mean(name, sources)} Known are "
-                    + ", ".join(sources)
-                )
-            source = sources[name]
-            if port.get_data_type() != source.get_data_type() or (
-                port.get_data_type() == PortDataType.kVectorValued
-                and port.size() != source.size()
-            ):
-                raise ControllerError(
-                    f"{_named(self.system)} has an input port {name!r} that is "
-                    f"{_kind(port)}; the station's is {_kind(source)}"
-                )
-            if name in DELAYED and self.system.HasDirectFeedthrough(
-                index, self.effort.get_index()
-            ):
-                raise ControllerError(
-                    f"the port {EFFORT!r} of {_named(self.system)} reads {name!r}, "
-                    "which depends on the efforts of the same instant. Read it in a "
-                    "periodic update, and give the port prerequisites_of_calc without "
-                    "it, such as {self.xd_ticket()}"
-                )
-            builder.Connect(source, port)
-
-
-class _Check(CollectableSystem):
-    """Passes a value on after checking it; for controllers that are not ours."""
-
-    def __init__(self, check: Callable[[object], Any], blank: object):
-        super().__init__()
-        port = self.DeclareAbstractInputPort("value", AbstractValue.Make(NOTHING))
-        index = port.get_index()
-        self.DeclareAbstractOutputPort(
-            "checked",
-            lambda: AbstractValue.Make(blank),
-            lambda context, output: output.set_value(
-                check(self.get_input_port(index).Eval(context))
-            ),
-        )
-
-
-class _EventCounter(CollectableSystem):
-    """Reads the number of events from a status; for controllers that are not ours."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        port = self.DeclareAbstractInputPort(STATUS, AbstractValue.Make(NOTHING))
-        index = port.get_index()
-        self.DeclareVectorOutputPort(
-            "event_count",
-            1,
-            lambda context, output: output.SetAtIndex(
-                0, self.get_input_port(index).Eval(context).event_count
-            ),
-        )
-
-
 def add_controller(
     builder: DiagramBuilder,
     source: ControllerSource,
     robot: Robot,
     scenario: Scenario,
     catalog: BehaviorCatalog,
-) -> ControllerSocket:
+) -> dict[str, OutputPort]:
     """Adds a controller to a station, under the name ``controller``.
 
     A callable source gets the ``scenario``: resolved, its steps on the common grid.
-
-    Raises:
-        ControllerError: If the source is neither, or does not return a System; if the
-            controller lacks the port for efforts, or the port has another size.
+    Returns efforts, status, planned paths and number of events, by name of the port.
     """
-    controller = source
-    if not isinstance(source, System):
-        if not callable(source):
-            raise ControllerError(
-                "controller must be a System or a callable (robot, scenario) -> "
-                f"System, is {shown(source)}"
-            )
+    controller: Any = source
+    if not isinstance(source, System) and callable(source):
         controller = source(robot, scenario)
     if not isinstance(controller, System):
         raise ControllerError(
-            "the callable given as controller must return a System, returned "
-            f"{shown(controller)}"
+            "controller must be a System or a callable (robot, scenario) -> System, "
+            f"is {shown(source)}, which gives {shown(controller)}"
         )
     if not controller.HasOutputPort(EFFORT):
         raise ControllerError(
@@ -192,13 +93,12 @@ def add_controller(
             f"joint efforts [N·m], shape ({robot.num_joints},)"
         )
     effort = controller.GetOutputPort(EFFORT)
-    if (
-        effort.get_data_type() != PortDataType.kVectorValued
-        or effort.size() != robot.num_joints
-    ):
+    is_vector = effort.get_data_type() == PortDataType.kVectorValued
+    if not is_vector or effort.size() != robot.num_joints:
+        size = effort.size() if is_vector else "none"
         raise ControllerError(
-            f"{_named(controller)} has an output port {EFFORT!r} that is "
-            f"{_kind(effort)}; {robot.name} needs a vector of size {robot.num_joints}"
+            f"the port {EFFORT!r} of {_named(controller)} must be a vector of size "
+            f"{robot.num_joints} for {robot.name}, its size is {size}"
         )
     path = controller.GetSystemPathname().removeprefix("::")
     if "::" in path:
@@ -207,52 +107,76 @@ def add_controller(
             "callable (robot, scenario) -> System makes one for each"
         )
     builder.AddNamedSystem(CONTROLLER, controller)
-    status = _report_port(
-        builder,
-        controller,
-        STATUS,
-        ControllerStatus(),
-        partial(check_status, catalog=catalog),
-    )
-    paths = _report_port(builder, controller, PATHS, PlannedPaths(), check_paths)
-    if isinstance(controller, WholeBodyController):
-        count = controller.GetOutputPort("event_count")
-    else:
-        counter = builder.AddNamedSystem("event_counter", _EventCounter())
-        builder.Connect(status, counter.get_input_port())
-        count = counter.get_output_port()
-    return ControllerSocket(controller, effort, status, paths, count)
+    reports = controller
+    if not isinstance(controller, WholeBodyController):
+        reports = builder.AddNamedSystem("checked_reports", _Reports(catalog))
+        for name in (STATUS, PATHS):
+            if controller.HasOutputPort(name):
+                source_port = controller.GetOutputPort(name)
+                _connect(builder, source_port, reports.GetInputPort(name))
+    return {EFFORT: effort} | {
+        name: reports.GetOutputPort(name) for name in (STATUS, PATHS, COUNT)
+    }
 
 
-def _report_port(
-    builder: DiagramBuilder,
-    controller: System,
-    name: str,
-    blank: object,
-    check: Callable[[object], Any],
-) -> OutputPort:
-    """Returns an optional port of the controller, checked unless it is ours."""
-    if not controller.HasOutputPort(name):
-        source = ConstantValueSource(AbstractValue.Make(blank))
-        return builder.AddNamedSystem(f"no_{name}", source).get_output_port()
-    port = controller.GetOutputPort(name)
-    if port.get_data_type() != PortDataType.kAbstractValued:
-        raise ControllerError(
-            f"{_named(controller)} has an output port {name!r} that is "
-            f"{_kind(port)}; it must hold a {type(blank).__name__}"
-        )
-    if isinstance(controller, WholeBodyController):
-        return port
-    checked = builder.AddNamedSystem(f"{name}_check", _Check(check, blank))
-    builder.Connect(port, checked.get_input_port())
-    return checked.get_output_port()
+def connect_controller(
+    builder: DiagramBuilder, sources: Mapping[str, OutputPort]
+) -> None:
+    """Connects every input port of the controller to the source of its name."""
+    controller: Any = builder.GetSubsystemByName(CONTROLLER)
+    effort = controller.GetOutputPort(EFFORT).get_index()
+    for index in range(controller.num_input_ports()):
+        port = controller.get_input_port(index)
+        name = port.get_name()
+        if name not in sources:
+            raise ControllerError(
+                f"{_named(controller)} has an input port {name!r}, which no port "
+                f"of the station feeds.{did_you_mean(name, sources)} Known are "
+                + ", ".join(sources)
+            )
+        _connect(builder, sources[name], port)
+        if name in DELAYED and controller.HasDirectFeedthrough(index, effort):
+            raise ControllerError(
+                f"the port {EFFORT!r} of {_named(controller)} reads {name!r}, "
+                "which depends on the efforts of the same instant. Read it in a "
+                "periodic update, and give the port prerequisites_of_calc without "
+                "it, such as {self.xd_ticket()}"
+            )
+
+
+def _connect(builder: DiagramBuilder, source: OutputPort, port: Any) -> None:
+    try:
+        builder.Connect(source, port)
+    except RuntimeError as error:
+        raise ControllerError(f"the controller does not fit: {error}") from error
+
+
+class _Reports(CollectableSystem):
+    """Checks the reports of a user's controller; those that it lacks are blank."""
+
+    def __init__(self, catalog: BehaviorCatalog) -> None:
+        super().__init__()
+        self._catalog = catalog
+        self._status = self.declare_value_input(STATUS)
+        self._paths = self.declare_value_input(PATHS)
+        of_status, of_paths = {self._status.ticket()}, {self._paths.ticket()}
+        self._checked = self.declare_value_output(STATUS, self._calc_status, of_status)
+        self.declare_value_output(PATHS, self._calc_paths, of_paths)
+        self.declare_vector_output(COUNT, 1, self._count, of_status)
+
+    def _calc_status(self, context: Context) -> ControllerStatus:
+        if not self._status.HasValue(context):
+            return ControllerStatus()
+        return check_status(self._status.Eval(context), self._catalog)
+
+    def _calc_paths(self, context: Context) -> PlannedPaths:
+        if not self._paths.HasValue(context):
+            return PlannedPaths()
+        return check_paths(self._paths.Eval(context))
+
+    def _count(self, context: Context) -> list[float]:
+        return [self._checked.Eval(context).event_count]
 
 
 def _named(system: System) -> str:
     return f"the controller ({type(system).__name__})"
-
-
-def _kind(port: InputPort | OutputPort) -> str:
-    if port.get_data_type() == PortDataType.kVectorValued:
-        return f"a vector of size {port.size()}"
-    return "abstract-valued"

@@ -65,7 +65,7 @@ def film(
     """
     overlays = Overlays(show)
     robot, scenario = log.robot, log.scenario
-    if view is None and not overlays.is_on("follow"):
+    if view is None and "follow" not in overlays.on:
         view = scenario.surroundings().view
     camera = FilmCamera(view, 1.0 / RATE)
     with FilmFile(Path(path), RATE, size) as file:

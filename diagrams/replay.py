@@ -79,11 +79,7 @@ def make_replay_station(
 ) -> Diagram:
     """Makes a diagram with a station's output ports, fed from a log.
 
-    Args:
-        log: Log of the run.
-        world: Callables that add models beside the robot.
-        extend: Called with the SceneGraph before the diagram is built.
-        scenery: True for ground and terrain.
+    ``extend`` gets the SceneGraph before the diagram is built.
     """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())

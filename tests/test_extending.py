@@ -14,10 +14,10 @@ from atlas_drake import (
     Behavior,
     read_log,
 )
-from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.messages.event import Event
+from atlas_drake.simulation.parts_file import load_parts
 
 ROOT = Path(__file__).parents[1]
 FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"
@@ -90,7 +90,7 @@ def test_a_frame_of_the_robot_has_a_pose():
     sim = AtlasSimulation()
     assert sim.frame_pose("l_sole").translation()[2] == pytest.approx(0.0, abs=2e-3)
     assert sim.frame_pose("pelvis").IsExactlyEqualTo(sim.pelvis_pose)
-    with pytest.raises(ValueError, match=r"no frame 'l_sol'\. Did you mean 'l_sole'"):
+    with pytest.raises(ValueError, match="no frame 'l_sol'"):
         sim.frame_pose("l_sol")
 
 

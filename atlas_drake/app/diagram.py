@@ -13,31 +13,18 @@ from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.errors import AtlasError
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import tutorial_schedule
-from atlas_drake.visualization.viewer import open_on_desktop
 
 FORMATS = (".svg", ".png", ".pdf", ".dot")
 
 
-class PictureError(AtlasError):
-    """The picture cannot be drawn or written."""
-
-
 def show_diagram(options: argparse.Namespace) -> int:
-    """Draws the picture and opens it; returns the exit status."""
-    draw_diagram(options.file)
-    sys.stdout.write(f"Wrote {options.file}.\n")
-    if not options.no_open and options.file.suffix != ".dot":
-        open_on_desktop(options.file.resolve().as_uri())
-    return exit_status.OK
-
-
-def draw_diagram(path: Path) -> None:
     """Draws the whole simulation into a file, whose ending selects the format."""
+    path: Path = options.file
     if path.suffix not in FORMATS:
-        raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
+        raise AtlasError(f"{path}: must end in one of {', '.join(FORMATS)}")
     dot = shutil.which("dot")
     if path.suffix != ".dot" and dot is None:
-        raise PictureError(
+        raise AtlasError(
             f"{path}: drawing it needs Graphviz, which is not installed: "
             "apt install graphviz, brew install graphviz or https://graphviz.org; or "
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
@@ -48,12 +35,14 @@ def draw_diagram(path: Path) -> None:
     try:
         if path.suffix == ".dot":
             path.write_text(source)
-            return
-        command = [str(dot), f"-T{path.suffix[1:]}", "-o", str(path)]
-        subprocess.run(
-            command, input=source, text=True, check=True, capture_output=True
-        )
+        else:
+            command = [str(dot), f"-T{path.suffix[1:]}", "-o", str(path)]
+            subprocess.run(
+                command, input=source, text=True, check=True, capture_output=True
+            )
     except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error.strerror}") from error
+        raise AtlasError(f"{path}: cannot be written: {error.strerror}") from error
     except subprocess.CalledProcessError as error:
-        raise PictureError(f"{path}: {error.stderr.strip()}") from error
+        raise AtlasError(f"{path}: {error.stderr.strip()}") from error
+    sys.stdout.write(f"Wrote {path}.\n")
+    return exit_status.OK

@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -27,26 +26,21 @@ from atlas_drake.scenario.world_file import View
 from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import LOG_FIELDS
 
-PATIENCE = 2.0
-"""Time after which the progress is shown [s]."""
-
 
 def film_log(options: argparse.Namespace) -> int:
-    """Films a log; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read.
-        FilmError: If the film cannot be made; raised before it is begun.
-    """
+    """Films a log; returns the exit status."""
     path = options.output or options.log.with_suffix(".mp4")
     if path.resolve() == options.log.resolve():
         raise ScenarioError("--output", str(path), f"{path} is the log")
     check_film(path, options.size)
+    view = None
+    if options.view is not None:
+        view = View(options.view[:3], options.view[3:])
+        view.check()
     quiet_logs()
     progress = StatusLine(sys.stdout)
     log = read_log(options.log)
     show = shown_of_log(options.show, log, progress)
-    view = None if options.view is None else View(*options.view)
     return _film(log, path, progress, size=options.size, show=show, view=view)
 
 
@@ -94,22 +88,19 @@ def _film(log: Log, path: Path, progress: StatusLine, **arguments: Any) -> int:
     """Films a log with progress; Ctrl-C keeps the pictures so far."""
     from atlas_drake.diagrams.film import film
 
-    begin, end = time.perf_counter(), float(log.time[-1])
     with ctrl_c() as asked_to_stop:
 
         def on_picture(now: float) -> None:
             if asked_to_stop.is_set():
                 progress.say(f"Stopped: {path} ends at {now:.1f} s.")
                 raise KeyboardInterrupt
-            if time.perf_counter() - begin > PATIENCE:
-                progress.show(f"Filming: {now:.1f} of {end:.1f} s")
+            progress.show(f"Filming: {now:.1f} of {log.time[-1]:.1f} s")
 
         try:
             kept = keep(
                 path,
                 lambda: film(log, path, on_picture=on_picture, **arguments),
                 progress,
-                lambda pictures: f", {pictures} pictures.",
             )
         except KeyboardInterrupt:
             return exit_status.INTERRUPTED

@@ -7,7 +7,6 @@ Figures are in ``logs``, the replay in ``diagrams.replay``; options are parsed i
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,7 +20,7 @@ from atlas_drake.app.outputs import (
     check_outputs,
     check_writable,
     invite_viewer,
-    keep,
+    keep_file,
     keep_recording,
     open_view,
     quiet_logs,
@@ -30,7 +29,6 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.app.run import PIECE
-from atlas_drake.atomic_write import atomic_write
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
@@ -85,12 +83,7 @@ def _output(options: argparse.Namespace, suffixes: Sequence[str]) -> Path:
 
 def _write(file: Path, write: Callable[[Path], object]) -> int:
     """Writes a file, whole or not at all; returns the exit status."""
-
-    def whole() -> None:
-        with atomic_write(file) as unfinished:
-            write(unfinished)
-
-    kept = keep(file, whole, Progress(sys.stdout, math.inf))
+    kept = keep_file(file, write, StatusLine(sys.stdout))
     return exit_status.OK if kept else exit_status.OUTPUT_LOST
 
 
@@ -106,19 +99,19 @@ def _needs_extra(extra: str) -> Iterator[None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view, or records it; returns the exit status.
-
-    Raises:
-        LogError: If the log cannot be read, or there is nothing to do.
-        ScenarioError: If a file or an address cannot be used; raised before the replay.
-    """
+    """Plays a log in the 3D view, or records it; returns the exit status."""
     if options.headless and options.record is None:
         raise LogError(
             "--headless shows nothing: add --record FILE.html, or leave it out to watch"
         )
     check_outputs(options, ("record",))
     if options.cockpit:
-        return _replay_in_cockpit(options)
+        from atlas_drake.app.teleop import play_in_cockpit
+
+        if options.record is not None or options.headless:
+            raise LogError("--headless and --record cannot be used with --cockpit")
+        beside = None if options.beside is None else _read(options.beside)
+        return play_in_cockpit(_read(options.log), beside, options)
     if options.beside is not None:
         raise LogError("--beside needs --cockpit, which shows two logs at a time")
     quiet_logs()
@@ -152,18 +145,6 @@ def replay_log(options: argparse.Namespace) -> int:
     if not options.headless and interactive():
         keep_serving(progress.say)
     return exit_status.OK
-
-
-def _replay_in_cockpit(options: argparse.Namespace) -> int:
-    """Serves the cockpit over a log until Ctrl-C; returns the exit status."""
-    from atlas_drake.app.cockpit_replay import play_in_cockpit
-
-    if options.record is not None or options.headless:
-        option = "--headless" if options.record is None else "--record"
-        raise LogError(f"{option} cannot be used with --cockpit")
-    log = _read(options.log)
-    beside = None if options.beside is None else _read(options.beside)
-    return play_in_cockpit(log, beside, options)
 
 
 def _play(

@@ -23,10 +23,9 @@ from atlas_drake.app.options import (
     add_speed_options,
     rate,
     size,
-    view,
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
-from atlas_drake.errors import AtlasError, did_you_mean
+from atlas_drake.errors import AtlasError
 from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
@@ -58,11 +57,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return exit_status.BAD_INPUT
     except KeyboardInterrupt:
         return exit_status.INTERRUPTED
-    except ImportError as error:
-        # Drake's modules raise this on Ctrl-C while they load.
-        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
-            return exit_status.INTERRUPTED
-        raise
 
 
 class _Parser(argparse.ArgumentParser):
@@ -74,18 +68,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parsed(given: Sequence[str]) -> argparse.Namespace:
-    """Parses the arguments; ends the process with a suggestion for a mistyped word."""
-    parser, commands = _parser(given)
-    if given and not given[0].startswith("-") and given[0] not in commands:
-        hint = did_you_mean(given[0], commands) or f" There are {', '.join(commands)}."
-        parser.error(f"there is no command {given[0]!r}.{hint}")
-    options, unknown = parser.parse_known_args(given)
-    if unknown:
-        command = commands[options.command]
-        known = command._option_string_actions
-        hint = did_you_mean(unknown[0].partition("=")[0], known)
-        command.error(f"unrecognized arguments: {' '.join(unknown)}.{hint}")
-    return options
+    """Parses the arguments; ends the process if they cannot be used."""
+    return _parser().parse_args(given)
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
@@ -99,31 +83,8 @@ def _check_files_read(options: argparse.Namespace) -> None:
             raise AtlasError(f"{path}: there is no such file")
 
 
-def _behaviors_and_worlds() -> str:
-    """Returns what the help of a run says of the names that it takes."""
-    # Drake loads only for those who ask.
-    from atlas_drake.messages.behavior_catalog import SHIPPED
-    from atlas_drake.scenario.world_file import available_worlds, load_world
-
-    behaviors = [
-        f"{entry.name} ({entry.number}): {entry.description.rstrip('.')}"
-        for entry in SHIPPED
-    ]
-    worlds = [f"{name} ({load_world(name).description})" for name in available_worlds()]
-    return (
-        f". Behaviors that a command can ask for: {'; '.join(behaviors)}. "
-        f"Worlds: {', '.join(worlds)}."
-    )
-
-
-def _parser(
-    given: Sequence[str],
-) -> tuple[_Parser, dict[str, _Parser]]:
-    """Returns the parser, and the parsers of the commands by their names."""
-    told = ""
-    asks_for_help = not {"-h", "--help"}.isdisjoint(given)
-    if asks_for_help and given[0] in ("demo", "run", "script", "teleop"):
-        told = _behaviors_and_worlds()
+def _parser() -> _Parser:
+    """Makes the parser of the command line."""
     parser = _Parser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -143,7 +104,7 @@ def _parser(
         description="Atlas changes control modes: it stands by itself, stands under "
         "joint commands, lets go of its arms while it balances, walks four steps "
         "and ends under joint commands again.",
-        epilog=_EXIT_STATUS + told,
+        epilog=_EXIT_STATUS,
     )
     demo.add_argument(
         "--literal",
@@ -159,7 +120,7 @@ def _parser(
         help="simulate a scenario described in a YAML file",
         description="Simulate a scenario; examples are in examples/scenarios/. "
         "Options given here win over the file.",
-        epilog=_EXIT_STATUS + told,
+        epilog=_EXIT_STATUS,
     )
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     add_run_options(run)
@@ -172,7 +133,7 @@ def _parser(
         "ROS is stood in for, and what it publishes commands the simulated robot. "
         "Time passes where the program waits. See docs/scripts.md.",
         usage="atlas-drake script [options] FILE.py [-- ARGUMENT ...]",
-        epilog="What follows -- is for the program. " + _EXIT_STATUS + told,
+        epilog="What follows -- is for the program. " + _EXIT_STATUS,
     )
     script.add_argument("file", metavar="FILE.py", type=Path)
     script.add_argument(
@@ -185,16 +146,24 @@ def _parser(
     add_run_options(script)
     script.set_defaults(run="script.run_script", reads=("file", "scenario", "parts"))
 
-    plot = commands.add_parser(
+    def on_log(name: str, *, run: str, help: str, description: str) -> _Parser:
+        """Adds a command that reads a log."""
+        command = commands.add_parser(
+            name, help=help, description=description, epilog=_LOG_EXIT_STATUS
+        )
+        command.add_argument("log", metavar="LOG", type=Path)
+        command.set_defaults(run=run, reads=("log",))
+        return command
+
+    plot = on_log(
         "plot",
         help="draw a page of figures of a log",
         description="Draw behaviors and k_effort over time, joints and their "
         "set-points, efforts against their limits, balance from above and over time, "
         "feet, and the controller's tick times; or chosen columns. Logs come from "
         "--log of `demo` and `run`.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.plot_log",
     )
-    plot.add_argument("log", metavar="LOG", type=Path)
     plot.add_argument(
         "--channels",
         nargs="?",
@@ -204,29 +173,25 @@ def _parser(
         "balance.com.x,walk,*.l_leg_kny; without names, list all columns",
     )
     _add_output(plot, "a .png, .svg or .pdf file (default: run.png for run.mcap)")
-    plot.set_defaults(run="log.plot_log", reads=("log",))
 
-    export = commands.add_parser(
+    export = on_log(
         "export",
         help="write the columns of a log as a table",
         description="Write every number of every control tick, by the names that "
         "`plot --channels` lists.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.export_log",
     )
-    export.add_argument("log", metavar="LOG", type=Path)
     _add_output(
         export, "a .parquet, .csv or .npz file (default: run.parquet for run.mcap)"
     )
-    export.set_defaults(run="log.export_log", reads=("log",))
 
-    replay = commands.add_parser(
+    replay = on_log(
         "replay",
         help="watch a log",
         description="Show the robot as the log has it, with footsteps, in the 3D view. "
         "Nothing is simulated.",
-        epilog=_LOG_EXIT_STATUS,
+        run="log.replay_log",
     )
-    replay.add_argument("log", metavar="LOG", type=Path)
     watch = replay.add_argument_group("how you watch it")
     add_speed_options(watch, "no 3D view: for --record alone, as fast as possible")
     watch.add_argument(
@@ -245,17 +210,16 @@ def _parser(
     add_address_options(watch)
     add_show_option(watch, "none")
     add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(run="log.replay_log", reads=("log", "beside"))
+    replay.set_defaults(reads=("log", "beside"))
 
-    film = commands.add_parser(
+    film = on_log(
         "film",
         help="film a log",
         description="Film the robot as the log has it, with footsteps, into a video. "
         "Needs no display; nothing is simulated. Takes 2 to 5 s for each second of the "
         'log. Needs `pip install "atlas-drake[video]"`.',
-        epilog=_LOG_EXIT_STATUS,
+        run="film.film_log",
     )
-    film.add_argument("log", metavar="LOG", type=Path)
     pictures = film.add_argument_group("what the film shows")
     film.add_argument(
         "-o",
@@ -273,14 +237,14 @@ def _parser(
     )
     pictures.add_argument(
         "--view",
-        type=view,
-        metavar="X,Y,Z,X,Y,Z",
+        type=float,
+        nargs=6,
+        metavar=("X", "Y", "Z", "X_TO", "Y_TO", "Z_TO"),
         help="place of the camera and of what it looks at, in the world [m], such as "
-        "--view=3,-2,1.5,0,0,1 (default: the view of the world, if it has one; else, "
+        "--view 3 -2 1.5 0 0 1 (default: the view of the world, if it has one; else, "
         "and with --show follow, the camera follows the robot)",
     )
     add_show_option(pictures, "none")
-    film.set_defaults(run="film.film_log", reads=("log",))
 
     teleop = commands.add_parser(
         "teleop",
@@ -289,7 +253,7 @@ def _parser(
         "click on the ground, the pelvis, your share of each joint, pushes. Ctrl-C "
         "ends it.",
         epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
-        "failed, 2 bad input" + told,
+        "failed, 2 bad input",
     )
     teleop.add_argument(
         "scenario",
@@ -326,13 +290,8 @@ def _parser(
         metavar="FILE",
         help="a .svg, .png, .pdf or .dot file (default: %(default)s)",
     )
-    diagram.add_argument(
-        "--no-open",
-        action="store_true",
-        help="do not open the picture where there is a desktop",
-    )
     diagram.set_defaults(run="diagram.show_diagram", reads=())
-    return parser, commands.choices
+    return parser
 
 
 def _add_output(parser: argparse.ArgumentParser, help: str) -> None:

@@ -10,7 +10,6 @@ import math
 import re
 from pathlib import Path
 
-from atlas_drake.app.parts import add_parts_option
 from atlas_drake.errors import ScenarioError
 from atlas_drake.visualization import FILM_SIZE
 from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
@@ -28,8 +27,9 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot.add_argument(
         "--world",
         metavar="WORLD",
-        help="what stands around the robot, and where it starts: a name (below), or "
-        "the path of a world's YAML file; --set world.stairs.rise=0.06 changes a part",
+        help="what stands around the robot, and where it starts: a world's "
+        "name (docs/worlds.md) or the path of its YAML file; "
+        "--set world.stairs.rise=0.06 changes a part",
     )
     robot.add_argument(
         "--seed",
@@ -52,7 +52,14 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         help="set any field of the scenario, such as controller.gains.dcm_gain=2.5, "
         "jitter.mass=0.05 or plant.stiction_tolerance=1e-3; may be given several times",
     )
-    add_parts_option(robot)
+    robot.add_argument(
+        "--with",
+        dest="parts",
+        type=Path,
+        metavar="FILE.py",
+        help="put in parts of your own: those of controller, behaviors, world, extend "
+        "that the file defines, as AtlasSimulation takes them",
+    )
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -177,20 +184,6 @@ def rate(text: str) -> float:
     if not (math.isfinite(rate) and rate >= 0.0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 up")
     return rate
-
-
-def view(text: str) -> tuple[list[float], list[float]]:
-    """Reads lens and target of a camera, for argparse."""
-    try:
-        numbers = [float(number) for number in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 6 or numbers[:3] == numbers[3:]:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not the place of the camera and, elsewhere, that of its "
-            "target, such as 3,-2,1.5,0,0,1"
-        )
-    return numbers[:3], numbers[3:]
 
 
 def _port(text: str) -> int:

@@ -10,7 +10,7 @@ import logging
 from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 
@@ -18,6 +18,7 @@ from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log
+from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.simulation import AtlasSimulation
     from atlas_drake.visualization.overlays import Overlays
-
-T = TypeVar("T")
 
 WEB_PAGES = (".html", ".htm")
 """Endings of a recording's name."""
@@ -53,6 +52,8 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
             raise ScenarioError(
                 option, str(path), f"{path} must end in .html: it is a web page"
             )
+        if name == "log":
+            check_log_path(path)
         before = taken.setdefault(path.resolve(), option)
         if before != option:
             raise ScenarioError(option, str(path), f"{path} is already {before}")
@@ -60,35 +61,36 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
 
 def keep(
     path: Path,
-    write: Callable[[], T],
+    write: Callable[[], object],
     progress: StatusLine,
-    use: Callable[[T], str] = lambda _written: ".",
+    use: str = "",
 ) -> bool:
-    """Writes a file at the end of a run; returns True on success.
+    """Writes a file, and says how to ``use`` it; returns True on success.
 
-    A file that cannot be written does not affect the others. ``use`` makes, from the
-    result of ``write``, the end of the sentence that names the file.
+    A file that cannot be written does not affect the others.
     """
     try:
-        written = write()
+        write()
     except (OSError, AtlasError) as error:
         problem = getattr(error, "strerror", None) or str(error)
         for known in (f"{path}: ", "cannot be written: "):
             problem = problem.removeprefix(known)
         progress.say(f"! {path} is lost: {problem}")
         return False
-    progress.say(f"Wrote {path}{use(written)}")
+    progress.say(f"Wrote {path}.{use}")
     return True
 
 
-def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool:
-    """Writes a text file at the end of a run, as ``keep`` does, whole or not at all."""
+def keep_file(
+    path: Path, write: Callable[[Path], object], progress: StatusLine, use: str = ""
+) -> bool:
+    """Writes a file, as ``keep`` does, whole or not at all."""
 
-    def write() -> None:
+    def whole() -> None:
         with atomic_write(path) as unfinished:
-            unfinished.write_text(text, encoding="utf-8")
+            write(unfinished)
 
-    return keep(path, write, progress, lambda _written: use)
+    return keep(path, whole, progress, use)
 
 
 def keep_log(
@@ -104,8 +106,8 @@ def keep_log(
         progress.say(f"{options.log} is not written: nothing was simulated.")
         return True
     progress.say(f"Completing {options.log} ...")
-    use = f"; draw it: atlas-drake plot {options.log}"
-    return keep(options.log, sim.close, progress, lambda _none: use)
+    use = f" Draw it: atlas-drake plot {options.log}"
+    return keep(options.log, sim.close, progress, use)
 
 
 def check_writable(option: str, path: Path) -> None:
@@ -172,8 +174,13 @@ def keep_recording(
         return True
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    use = "; open it in a browser."
-    return keep_text(options.record, meshcat.StaticHtml(), progress, use)
+    page = meshcat.StaticHtml()
+    return keep_file(
+        options.record,
+        lambda file: file.write_text(page, encoding="utf-8"),
+        progress,
+        " Open it in a browser.",
+    )
 
 
 def shown_of_log(names: Iterable[str], log: Log, progress: StatusLine) -> list[str]:

@@ -12,7 +12,7 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.film import film_run, log_for_film, with_logged_overlays
@@ -21,38 +21,32 @@ from atlas_drake.app.outputs import (
     check_outputs,
     cockpit_asked_for,
     invite_viewer,
+    keep_file,
     keep_log,
     keep_recording,
-    keep_text,
     open_view,
     quiet_logs,
     realtime_rate,
 )
-from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.behaviors.footsteps import is_elsewhere
-from atlas_drake.errors import ScenarioError
-from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.simulation.parts_file import load_parts
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
-
-if TYPE_CHECKING:
-    from atlas_drake.cockpit.cockpit import Cockpit
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
 AFTER_FALL = 2.0
 """Time after a fall at which the run ends [s]."""
 
-Simulate: TypeAlias = (
-    "Callable[[AtlasSimulation, Progress, Cockpit | None], str | None]"
-)
-"""Simulates a run; returns None, or why it ended early, other than by a fall."""
+Simulate: TypeAlias = Callable[[AtlasSimulation, Progress, threading.Event], str | None]
+"""Simulates a run until its end, or until Ctrl-C sets the event; returns None, or why
+it ended early, other than by a fall or Ctrl-C."""
 
 
 def run_demo(options: argparse.Namespace) -> int:
@@ -75,15 +69,7 @@ def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
     path = options.scenario
     if path is None:
         return Scenario(name=name)
-    try:
-        return load_scenario(path)
-    except ScenarioError as error:
-        from atlas_drake.campaigns.reading import is_campaign
-
-        if error.field == "file" or not is_campaign(path):
-            raise
-        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
-        raise ScenarioError(error.field, error.value, problem) from None
+    return load_scenario(path)
 
 
 def run_scenario(
@@ -91,22 +77,17 @@ def run_scenario(
     options: argparse.Namespace,
     simulate: Simulate | None = None,
     end: float | None = None,
+    may_interrupt: Callable[[], bool] = lambda: False,
 ) -> int:
     """Runs a scenario with the options of the command line; returns the exit status.
 
-    Args:
-        scenario: The scenario as read; options override its fields.
-        options: Options of ``atlas-drake demo``, ``run`` and ``script``.
-        simulate: Simulates the run; None simulates until the scenario's duration.
-        end: Simulated time of the end [s], infinite if unknown; None is the scenario's
-            duration.
+    ``simulate`` runs it until ``end`` [s], infinite if unknown; without them it lasts
+    for the scenario's duration. Ctrl-C interrupts at once if ``may_interrupt``.
     """
     scenario = with_logged_overlays(with_options(scenario, options), options)
     check_outputs(options, ("json", "record", "video", "log"))
     if options.video is not None:
         check_film(options.video, options.video_size)
-    if options.log is not None:
-        check_log_path(options.log)
     quiet_logs()
 
     parts = load_parts(options.parts)
@@ -132,7 +113,12 @@ def run_scenario(
 
         with nothing_cut_off():
             try:
-                stopped = (simulate or _simulate)(sim, progress, cockpit)
+                with ctrl_c(may_interrupt) as asked_to_stop:
+                    if cockpit is not None:  # Ctrl-C ends a pause there.
+                        cockpit.asked_to_stop = asked_to_stop.is_set
+                    stopped = (simulate or _simulate)(sim, progress, asked_to_stop)
+                    if asked_to_stop.is_set():
+                        stopped = INTERRUPTED
             finally:
                 # Also after a second Ctrl-C: unfinished files cannot be read.
                 kept = keep_log(sim, options, progress)
@@ -143,7 +129,11 @@ def run_scenario(
             progress.say(verdict(summary))
             if options.json is not None:
                 text = json.dumps(_plain(summary), indent=2) + "\n"
-                kept = keep_text(options.json, text, progress) and kept
+                kept &= keep_file(
+                    options.json,
+                    lambda file: file.write_text(text, encoding="utf-8"),
+                    progress,
+                )
             kept = keep_recording(meshcat, options, progress) and kept
         if options.video is not None and log is not None:
             filmed = film_run(log, options, progress, parts.get("world", ()))
@@ -169,28 +159,18 @@ INTERRUPTED = "interrupted"
 
 
 def _simulate(
-    sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
+    sim: AtlasSimulation, progress: Progress, asked_to_stop: threading.Event
 ) -> str | None:
-    """Advances to the scenario's end; returns why it ended earlier, but by a fall."""
+    """Advances to the scenario's end; returns the error that ended it earlier."""
     end = sim.scenario.duration
-    with ctrl_c() as asked_to_stop:
-        end_pause_on(asked_to_stop, cockpit)
-        try:
-            while sim.time < end - 1e-9:
-                if asked_to_stop.is_set():
-                    return INTERRUPTED
-                sim.advance_to(min(sim.time + PIECE, end))
-                progress.update(sim.time, sim.current_behavior.name)
-                end = min(end, end_after_fall(sim))
-        except SimulationError as error:
-            return str(error)
-        return INTERRUPTED if asked_to_stop.is_set() else None
-
-
-def end_pause_on(asked_to_stop: threading.Event, cockpit: Cockpit | None) -> None:
-    """Lets Ctrl-C end a pause in the cockpit, if there is one."""
-    if cockpit is not None:
-        cockpit.asked_to_stop = asked_to_stop.is_set
+    try:
+        while sim.time < end - 1e-9 and not asked_to_stop.is_set():
+            sim.advance_to(min(sim.time + PIECE, end))
+            progress.update(sim.time, sim.current_behavior.name)
+            end = min(end, end_after_fall(sim))
+    except SimulationError as error:
+        return str(error)
+    return None
 
 
 def end_after_fall(sim: AtlasSimulation) -> float:

@@ -8,25 +8,20 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import threading
 from contextlib import redirect_stdout
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from atlas_drake.app import exit_status
-from atlas_drake.app.interrupts import ctrl_c
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
-    INTERRUPTED,
     PIECE,
     end_after_fall,
-    end_pause_on,
     run_scenario,
     scenario_of,
 )
 from atlas_drake.ros_scripts.program import Program
 from atlas_drake.simulation import AtlasSimulation
-
-if TYPE_CHECKING:
-    from atlas_drake.cockpit.cockpit import Cockpit
 
 
 def run_script(options: argparse.Namespace) -> int:
@@ -35,12 +30,14 @@ def run_script(options: argparse.Namespace) -> int:
     program = Program(options.file, options.arguments)
 
     def simulate(
-        sim: AtlasSimulation, progress: Progress, cockpit: Cockpit | None
+        sim: AtlasSimulation, progress: Progress, asked_to_stop: threading.Event
     ) -> str | None:
-        return _simulate(sim, progress, cockpit, program, options.duration)
+        return _simulate(sim, progress, asked_to_stop, program, options.duration)
 
     end = math.inf if options.duration is None else options.duration
-    status = run_scenario(scenario, options, simulate, end)
+    status = run_scenario(
+        scenario, options, simulate, end, lambda: not program.simulating
+    )
     if status == exit_status.FAILED and program.at_fault:
         return exit_status.BAD_INPUT
     return status
@@ -49,7 +46,7 @@ def run_script(options: argparse.Namespace) -> int:
 def _simulate(
     sim: AtlasSimulation,
     progress: Progress,
-    cockpit: Cockpit | None,
+    asked_to_stop: threading.Event,
     program: Program,
     duration: float | None,
 ) -> str | None:
@@ -69,19 +66,15 @@ def _simulate(
 
     output: Any = _SharedOutput(sys.stdout, progress)
     end = math.inf if duration is None else duration
-    with (
-        ctrl_c(lambda: not program.simulating) as asked_to_stop,
-        redirect_stdout(output),
-    ):
-        end_pause_on(asked_to_stop, cockpit)
+    with redirect_stdout(output):
         try:
             problem = program.run(sim, ended, end, progress.say, complain)
             if problem is None and duration is not None:
                 problem = program.finish()
         except KeyboardInterrupt:
-            return INTERRUPTED
-        if asked_to_stop.is_set():
-            return INTERRUPTED
+            return None
+    if asked_to_stop.is_set():
+        return None
     if problem is None and program.last_command >= sim.time:
         progress.say(
             f"{program.path.name} ended when it had sent its last command; --duration "

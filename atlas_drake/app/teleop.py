@@ -1,4 +1,4 @@
-"""``atlas-drake teleop``: serve the cockpit, and run until Ctrl-C."""
+"""The cockpit over a simulation, ``teleop``, or over a log, ``replay --cockpit``."""
 
 from __future__ import annotations
 
@@ -6,27 +6,39 @@ import argparse
 import math
 import sys
 import threading
+import time
 from collections.abc import Callable
+
+from pydrake.math import RigidTransform
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.outputs import quiet_logs
-from atlas_drake.app.parts import load_parts
+from atlas_drake.app.outputs import quiet_logs, shown_of_log
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
     PIECE,
-    end_pause_on,
     scenario_of,
     verdict,
     with_options,
 )
 from atlas_drake.cockpit.cockpit import Cockpit
+from atlas_drake.cockpit.log_playback import LogPlayback
+from atlas_drake.cockpit.log_state import card_of_log
+from atlas_drake.diagrams.replay import make_replay, make_replay_beside
 from atlas_drake.errors import AtlasError
+from atlas_drake.logs import Log
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.simulation.parts_file import load_parts
+from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, open_on_desktop
+
+BESIDE_PATH = "/atlas_drake/beside"
+"""Where the 3D view has the robot of the second log."""
+ASIDE = 1.5
+"""How far to the left of its own place the robot of the second log is drawn [m]."""
 
 
 def run_teleop(options: argparse.Namespace) -> int:
@@ -50,10 +62,8 @@ def run_teleop(options: argparse.Namespace) -> int:
     sim = build(scenario, cockpit)
     sim.set_realtime_rate(1.0)
     with ctrl_c() as asked_to_stop:
-        end_pause_on(asked_to_stop, cockpit)
-        progress.say(f"Steer at {cockpit.web_url()} (Ctrl-C here ends it).")
-        if interactive():
-            open_on_desktop(cockpit.web_url())
+        cockpit.asked_to_stop = asked_to_stop.is_set
+        _invite(cockpit, "Steer", progress)
         failure = _steer(sim, cockpit, progress, end, asked_to_stop)
         while (asked := cockpit.next_run.take()) is not None:
             sim = followed(sim, asked, build, cockpit, progress)
@@ -109,3 +119,36 @@ def _steer(
     except SimulationError as error:
         return str(error)
     return None
+
+
+def play_in_cockpit(log: Log, beside: Log | None, options: argparse.Namespace) -> int:
+    """Shows a log, and one beside it, until Ctrl-C; returns the exit status."""
+    quiet_logs()
+    progress = Progress(sys.stdout, math.inf)
+    overlays = Overlays(shown_of_log(options.show, log, progress))
+    cockpit = Cockpit(options.host, options.port, overlays)
+    diagrams = [make_replay(log, cockpit.meshcat, overlays)]
+    if beside is not None:
+        diagrams.append(make_replay_beside(beside, cockpit.meshcat, BESIDE_PATH))
+    playback = LogPlayback(log, diagrams, cockpit.meshcat, overlays, beside)
+    # The begin of the playback has drawn everything anew.
+    cockpit.meshcat.SetTransform(BESIDE_PATH, RigidTransform([0.0, ASIDE, 0.0]))
+    if options.realtime_rate is not None:
+        playback.pace(options.realtime_rate)
+    cockpit.present(playback, playback, card_of_log(log, cockpit.meshcat.port()))
+    with ctrl_c() as asked_to_stop:
+        _invite(cockpit, "Watch", progress)
+        before = time.perf_counter()
+        while not asked_to_stop.wait(1.0 / FRAME_RATE):
+            now = time.perf_counter()
+            if cockpit.GetNumActiveConnections():  # A log does not play to nobody.
+                playback.advance(now - before)
+            cockpit.look()
+            before = now
+    return exit_status.OK
+
+
+def _invite(cockpit: Cockpit, verb: str, progress: Progress) -> None:
+    progress.say(f"{verb} at {cockpit.web_url()} (Ctrl-C here ends it).")
+    if interactive():
+        open_on_desktop(cockpit.web_url())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages.checks import check_flag
-from atlas_drake.visualization.overlays import OVERLAYS, Overlays
+from atlas_drake.visualization.overlays import Overlays
 
 
 class ViewControls:
@@ -17,7 +17,7 @@ class ViewControls:
     @property
     def shown(self) -> frozenset[str]:
         """Overlays that are switched on."""
-        return frozenset(name for name in OVERLAYS if self._overlays.is_on(name))
+        return self._overlays.on
 
     def show(self, overlay: str, on: bool) -> None:
         """Switches an overlay.

@@ -1,17 +1,16 @@
 """``AtlasSimulation``: builds one robot's diagram, publishes, advances, reads, resets.
 
-``building`` makes the parts, ``run_diagram`` holds the diagram of a run, ``run_log``
-its events.
+``run_diagram`` builds and holds the diagram of a run, ``run_log`` its events.
 """
 
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +21,8 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.config import as_float, checked
+from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
-from atlas_drake.diagrams.parts import Extend, Parts
 from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
@@ -31,6 +30,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.messages import (
+    Accepted,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -44,13 +44,13 @@ from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.simulation.building import build, check_type
-from atlas_drake.simulation.fair_lock import FairLock
 from atlas_drake.simulation.pace import steady_ticks
+from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import RunLog, Snapshot
-from atlas_drake.simulation.start import check_restart, start_of_reset
+from atlas_drake.simulation.start import start_of_reset
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
@@ -63,12 +63,10 @@ Hook = Callable[["AtlasSimulation"], object]
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviors.
 
-    Any thread may use any member but ``context``. Members that read an output or change
-    anything wait until the simulating thread pauses, every 20 ms of simulated time;
-    ``time``, ``events`` and the like give the state at the last pause.
+    It is for one thread at a time, as Drake's Context is. Other threads hand over what
+    they want to one of the ``hooks``, by a ``queue.Queue`` for instance.
 
     Attributes:
-        scenario: The scenario that is simulated.
         robot: Description of the robot: joint names, limits, masses.
         behaviors: Catalog of the behaviors that can be requested.
         diagram: The ``control_mode_switch``, with all systems.
@@ -135,30 +133,42 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        parts = Parts(controller, behaviors, world, extend)
-        check_type("on_event", on_event, Callable)
-        built = build(scenario, parts, view, overlays, log)
-        self.scenario, self.behaviors = built.scenario, built.behaviors
-        self.meshcat, self._file, self.on_event = built.meshcat, built.file, on_event
-        self._run, self._schedule = built.run, built.schedule
-        self._own_behaviors = built.own_behaviors
+        _check_types(
+            scenario=(scenario, Scenario),
+            view=(view, bool | Meshcat),
+            overlays=(overlays, Overlays),
+            on_event=(on_event, Callable),
+            log=(log, str | os.PathLike),
+        )
+        self.meshcat = view if isinstance(view, Meshcat) else None
+        if view is True:
+            from atlas_drake.visualization.viewer import await_viewer, start_meshcat
+
+            self.meshcat = start_meshcat()
+        self._run = RunDiagram(
+            scenario or Scenario(),
+            controller,
+            behaviors,
+            world,
+            extend,
+            self.meshcat,
+            overlays,
+            None if log is None else Path(log),
+        )
+        self.behaviors, self.on_event = self._run.catalog, on_event
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
         self.hooks: list[Hook] = []
-        self._lock = FairLock()
         self._note_begin()
         if view is True and self.meshcat is not None:
-            from atlas_drake.visualization.viewer import await_viewer
-
             await_viewer(self.meshcat)
             if not self.realtime_rate:
                 self.set_realtime_rate(1.0)
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
-        self._log = RunLog(self._schedule, self._file)
-        self._failed = False
+        self._log = RunLog(self._run)
         self._wall_time = 0.0
 
     def close(self) -> None:
@@ -168,16 +178,12 @@ class AtlasSimulation:
             LogError: If the log cannot be completed, now or earlier in the run, whose
                 ``events`` then hold a warning.
         """
-        if self._file is None:
+        if self._run.writer is None:
             return
-        with self._lock:
-            try:
-                # An error that ended the run occurs again in this look.
-                with suppress(Exception) if self._failed else nullcontext():
-                    self._look()
-            finally:
-                file, self._file, self._log.file = self._file, None, None
-                file.close(self.context)
+        # An error that ended the run occurs again in this look.
+        with suppress(Exception):
+            self._look()
+        self._run.close_log()
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -193,10 +199,8 @@ class AtlasSimulation:
         Messages of one instant are taken in the order in which they are sent, and a
         message that is sent again counts again.
 
-        While another thread simulates, the message is checked here, and received within
-        20 ms of simulated time. A contradiction to the commands in force then, such as
-        a stamp before the last one, is not raised but reported: by ``error_code``, and
-        as an event.
+        A contradiction to the commands in force then, such as a stamp before the last
+        one, is not raised but reported: by ``error_code``, and as an event.
 
         Args:
             message: The command.
@@ -212,15 +216,15 @@ class AtlasSimulation:
                 f"{type(message).__name__}"
             )
         outcome = accept(message, self.robot, self.behaviors)
-        if self._lock.leave(partial(self._run.receive, outcome)):
-            refusal = outcome if isinstance(outcome, Refusal) else None
-        else:
-            with self._lock:
-                refusal = self._run.receive(outcome)
-                if refusal is not None:
-                    self._look()
+        refusal = self._receive(outcome)
         if refusal is not None:
+            self._look()
             raise refusal.error
+
+    def _receive(self, outcome: Accepted | Refusal) -> Refusal | None:
+        """Hands over what the door said of a message; returns why it is refused."""
+        interface, context = self._run.part("command_interface")
+        return interface.receive(context, outcome)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
@@ -235,9 +239,9 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is not a number.
         """
-        with self._lock:
-            self._run.push(body, force_W, duration)
-            self._look()
+        source, context = self._run.part("push_source")
+        source.push(context, body, force_W, duration)
+        self._look()
 
     # ---- time ----------------------------------------------------------------
 
@@ -270,14 +274,12 @@ class AtlasSimulation:
             )
         begin = time.perf_counter()
         try:
-            with steady_ticks(), self._noted_error():
+            with steady_ticks():
                 while self.time < end - 1e-9:
                     end += self._call_hooks()
-                    with self._lock:
-                        # Another thread may have had a turn meanwhile.
-                        if self.time < end - 1e-9:
-                            self._run.advance_to(min(end, self.time + CHUNK))
-                            self._look()
+                    if self.time < end - 1e-9:
+                        self._run.advance_to(min(end, self.time + CHUNK))
+                        self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
 
@@ -345,8 +347,7 @@ class AtlasSimulation:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
         rate = check_number(rate, "rate", 0.0)
-        with self._lock:
-            self._run.pace.set_rate(rate)
+        self._run.pace.set_rate(rate)
 
     # ---- start ---------------------------------------------------------------
 
@@ -390,14 +391,13 @@ class AtlasSimulation:
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return
-        with self._lock:
-            # Collect events that precede the reset.
-            self._look()
-            self._run.reset(begin, start, where)
-            text = f"reset, {begin.name} begins"
-            self._tell(self._log.note(RunEvent(self.time, "reset", text)))
-            self.simulator.Initialize()
-            self._look()
+        # Collect events that precede the reset.
+        self._look()
+        self._run.reset(begin, start, where)
+        text = f"reset, {begin.name} begins"
+        self._tell(self._log.note(RunEvent(self.time, "reset", text)))
+        self.simulator.Initialize()
+        self._look()
 
     def restart(self, scenario: Scenario) -> None:
         """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
@@ -415,21 +415,21 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
-        asked = scenario.resolved(self._own_behaviors)
-        check_restart(self.scenario, asked)
+        asked = scenario.resolved(self._run.own_behaviors)
+        field = built_in_difference(self.scenario, asked)
+        if field is not None:
+            raise ScenarioError(field, None, "is changed, and needs a new simulation")
         self._begin_anew(asked)
 
     def _begin_anew(self, scenario: Scenario) -> None:
         """Begins a run of a scenario that the diagram can take up."""
         self._check_no_file("seed", scenario.seed)
-        with self._lock:
-            self._run.begin(scenario)
-            self.scenario = scenario
-            self._note_begin()
+        self._run.begin(scenario)
+        self._note_begin()
 
     def _check_no_file(self, field: str, value: object) -> None:
         """Raises ScenarioError while a log is written."""
-        if self._file is not None:
+        if self._run.writer is not None:
             problem = "a log holds one run: close() completes it"
             raise ScenarioError(field, value, problem)
 
@@ -439,11 +439,10 @@ class AtlasSimulation:
         Takes 2 to 4 ms and 2.5 MB. What a system of your own keeps outside Drake's
         Context is not part of it.
         """
-        with self._lock:
-            self._look()
-            context, variation = self._run.context.Clone(), self._run.variation
-            log = self._log.copy()
-            return Snapshot(context, self.scenario, variation, log, self._wall_time)
+        self._look()
+        context, variation = self._run.context.Clone(), self._run.variation
+        log = self._log.copy()
+        return Snapshot(context, self.scenario, variation, log, self._wall_time)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back (or ahead) to a stored snapshot; a 3D view shows it at once.
@@ -467,12 +466,11 @@ class AtlasSimulation:
                 f"restore takes what snapshot() returned, not {type(snapshot).__name__}"
             )
         self._check_no_file("snapshot", snapshot.time)
-        with self._lock:
-            self._run.restore(snapshot.context, snapshot.variation)
-            self.scenario, self._log = snapshot.scenario, snapshot.log.copy()
-            self._failed, self._wall_time = False, snapshot.wall_time
-            if self.meshcat is not None:
-                self.diagram.ForcedPublish(self.context)
+        self._run.restore(snapshot.context, snapshot.scenario, snapshot.variation)
+        self._log = snapshot.log.copy()
+        self._wall_time = snapshot.wall_time
+        if self.meshcat is not None:
+            self.diagram.ForcedPublish(self.context)
 
     def release(self) -> None:
         """Lets a robot on the gantry down to the ground, and then go.
@@ -480,15 +478,23 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If the scenario has no gantry.
         """
-        with self._lock:
-            self._run.release()
-            self._look()
+        if not self.station.HasSubsystemNamed("gantry"):
+            problem = "there is no gantry to release"
+            raise ScenarioError("start.on_gantry", False, problem)
+        gantry, context = self._run.part("gantry")
+        gantry.release(context)
+        self._look()
 
     # ---- state ---------------------------------------------------------------
 
     @property
+    def scenario(self) -> Scenario:
+        """The scenario of the present run."""
+        return self._run.scenario
+
+    @property
     def context(self) -> Context:
-        """The diagram's root context; not for use while another thread simulates."""
+        """The diagram's root context."""
         return self._run.context
 
     @property
@@ -524,7 +530,8 @@ class AtlasSimulation:
     @property
     def schema(self) -> Schema:
         """The schema of the records: names, units and labels of their numbers."""
-        return self._run.schema
+        schema: Schema = self.station.GetSubsystemByName("tick_recorder").schema
+        return schema
 
     @property
     def record(self) -> TickRecord:
@@ -555,8 +562,12 @@ class AtlasSimulation:
         Raises:
             ValueError: If the robot has neither a body nor a frame of that name.
         """
-        with self._lock:
-            return self._run.frame_pose(name)
+        own = self.robot.instance(self.plant)
+        try:
+            frame = self.plant.GetFrameByName(name, own)
+        except (RuntimeError, TypeError) as error:
+            raise ValueError(f"there is no frame {name!r}: {error}") from error
+        return frame.CalcPoseInWorld(self._run.plant_context)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
@@ -576,8 +587,7 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        with self._lock:
-            return self._run.output(name)
+        return self._run.output(name)
 
     def summary(self) -> dict[str, Any]:
         """Summarizes the run as plain numbers and text, ready for JSON."""
@@ -587,8 +597,7 @@ class AtlasSimulation:
 
     def _look(self) -> None:
         """Collects events."""
-        with self._noted_error():
-            self._tell(self._log.look(self._run))
+        self._tell(self._log.look())
 
     def _tell(self, events: Iterable[Event]) -> None:
         """Hands events on, once all of them are kept."""
@@ -596,11 +605,10 @@ class AtlasSimulation:
             for event in events:
                 self.on_event(event)
 
-    @contextmanager
-    def _noted_error(self) -> Iterator[None]:
-        """Notes that an error ended the run, so that ``close`` does not repeat it."""
-        try:
-            yield
-        except Exception:
-            self._failed = True
-            raise
+
+def _check_types(**arguments: tuple[object, Any]) -> None:
+    """Raises TypeError unless each argument is None or of its type."""
+    for name, (value, kind) in arguments.items():
+        if value is not None and not isinstance(value, kind):
+            type_name = getattr(kind, "__name__", str(kind))
+            raise TypeError(f"{name} must be of type {type_name}, is {shown(value)}")

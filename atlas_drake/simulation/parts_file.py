@@ -1,6 +1,6 @@
 """Python files of a user that bring parts of a simulation, or functions.
 
-Runs the files and takes what they define. The options that name them are in ``app``.
+Runs the files and takes what they define.
 """
 
 from __future__ import annotations
@@ -8,14 +8,12 @@ from __future__ import annotations
 import runpy
 import sys
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.diagrams.parts import Parts
 from atlas_drake.errors import AtlasError, ScenarioError
 
-PARTS = tuple(field.name for field in fields(Parts))
+PARTS = ("controller", "behaviors", "world", "extend")
 """Names that a file may define, those of arguments of ``AtlasSimulation``."""
 
 
@@ -41,3 +39,14 @@ def run_file(path: Path, option: str) -> dict[str, Any]:
 def parts_in(names: Mapping[str, Any]) -> dict[str, Any]:
     """The parts among what a file defines: arguments of ``AtlasSimulation``."""
     return {name: names[name] for name in PARTS if name in names}
+
+
+def load_parts(path: Path | None) -> dict[str, Any]:
+    """Returns the parts in the file of ``--with``, if there is one."""
+    if path is None:
+        return {}
+    parts = parts_in(run_file(path, "--with"))
+    if not parts:
+        problem = f"{path} defines none of {', '.join(PARTS)}"
+        raise ScenarioError("--with", str(path), problem)
+    return parts

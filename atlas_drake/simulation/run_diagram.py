@@ -5,31 +5,47 @@ Events are collected in ``run_log``.
 
 from __future__ import annotations
 
-from collections.abc import MutableSequence, Sequence
-from typing import Any, TypeAlias
+import weakref
+from array import array
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack, suppress
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from pydrake.math import RigidTransform
+from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import (
     ApplySimulatorConfig,
     InitializeParams,
     Simulator,
 )
-from pydrake.systems.framework import Context, Diagram
+from pydrake.systems.framework import Context
 
-from atlas_drake.diagrams.controller_socket import CONTROLLER
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.registration import registered
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.diagrams.atlas_station import reset_station
+from atlas_drake.diagrams.contact import set_ground_friction
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
-from atlas_drake.diagrams.station_reset import begin_run, reset_station
-from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
+from atlas_drake.errors import AtlasError
 from atlas_drake.frozen import replace
-from atlas_drake.messages import Accepted, Behavior, Refusal
-from atlas_drake.records import Schema
-from atlas_drake.robot import Robot
+from atlas_drake.messages import AtlasCommand, Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
-from atlas_drake.scenario.world import put_world_back
+from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
+from atlas_drake.simulation.tutorial import tutorial_schedule
+from atlas_drake.systems.command_scheduler import ScheduledCommand
+from atlas_drake.visualization.overlays import Overlays
+
+if TYPE_CHECKING:
+    from atlas_drake.logs.mcap_writer import McapWriter
 
 CLEARANCE = 0.10
 """Height of the feet above the ground on the gantry [m]."""
@@ -42,42 +58,106 @@ class SimulationError(AtlasError, RuntimeError):
 
 
 class RunDiagram:
-    """The diagram of a scenario, its simulator and the context of the present run."""
+    """The diagram of a scenario, its simulator and the context of the present run.
+
+    Attributes:
+        scenario: Scenario of the present run.
+        variation: What the present run drew from its seed.
+        writer: Writes the log; None without one.
+    """
 
     def __init__(
         self,
-        robot: Robot,
         scenario: Scenario,
-        diagram: Diagram,
-        has_world: bool,
-        tick_seconds: MutableSequence[float],
+        controller: ControllerSource | None,
+        behaviors: Iterable[BehaviorEntry],
+        world: Iterable[WorldMaker],
+        extend: Extend | None,
+        meshcat: Meshcat | None,
+        overlays: Overlays | None,
+        log: Path | None,
     ):
-        """Begins a run."""
-        self.robot, self.diagram, self.tick_seconds = robot, diagram, tick_seconds
-        self._terrain = scenario.all_terrain()
-        self._models = scenario.all_models()
-        self._has_world = has_world
-        self._trial: Context | None = None
-        self._outputs = {
-            diagram.get_output_port(index).get_name(): index
-            for index in range(diagram.num_output_ports())
-        }
-        self.station: Any = diagram.GetSubsystemByName("station")
-        self.plant: Any = self.station.GetSubsystemByName("plant")
-        self._interface = self.station.GetSubsystemByName("command_interface")
-        own = self.station.GetSubsystemByName(CONTROLLER)
-        if hasattr(own, "tick_seconds"):
-            own.tick_seconds = tick_seconds
-        self._recorder: Any = self.station.GetSubsystemByName("tick_recorder")
-        self._recorder.tick_seconds = tick_seconds
-        self._pushes = self.station.GetSubsystemByName("push_source")
-        self._gantry: Any = None
-        if scenario.start.on_gantry:
-            self._gantry = self.station.GetSubsystemByName("gantry")
-        self.simulator = Simulator(diagram)
-        ApplySimulatorConfig(scenario.simulator, self.simulator)
-        self.pace = Pace(self.simulator)
-        self.begin(scenario)
+        """Builds the diagram as ``AtlasSimulation`` explains, and begins a run."""
+        self.own_behaviors = registered(behaviors)
+        world = listed(world)
+        scenario = scenario.resolved(self.own_behaviors)
+        self.robot = load_robot(scenario.model)
+        self.catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *self.own_behaviors))
+        self.schedule = _schedule(scenario, self.robot, self.catalog)
+        self.tick_seconds = array("d")
+        self.writer: McapWriter | None = None
+        # The modules for logs and views load only with a log or a view.
+        displays: list[Extend] = []
+        if meshcat is not None:
+            from atlas_drake.visualization.meshcat_view import add_meshcat_view
+
+            displays.append(
+                partial(
+                    add_meshcat_view,
+                    robot=self.robot,
+                    meshcat=meshcat,
+                    overlays=overlays,
+                )
+            )
+        with ExitStack() as on_error:
+            if log is not None:
+                from atlas_drake.logs.mcap_writer import McapWriter, add_log, header_of
+
+                header = header_of(scenario, self.robot, self.own_behaviors)
+                self.writer = McapWriter(log, header, scenario.log)
+                on_error.callback(self.writer.close)
+                displays.append(partial(add_log, writer=self.writer))
+            self.diagram = make_control_mode_switch(
+                self.robot,
+                scenario,
+                self.schedule,
+                controller=controller,
+                behaviors=self.own_behaviors,
+                world=world,
+                extend=extend,
+                displays=displays,
+            )
+            self._terrain, self._models = scenario.all_terrain(), scenario.all_models()
+            self._has_world = bool(world or self._models)
+            self._trial: Context | None = None
+            self.station: Any = self.diagram.GetSubsystemByName("station")
+            self.plant: Any = self.station.GetSubsystemByName("plant")
+            for name in (CONTROLLER, "tick_recorder"):
+                system = self.station.GetSubsystemByName(name)
+                if hasattr(system, "tick_seconds"):
+                    system.tick_seconds = self.tick_seconds
+            self.simulator = Simulator(self.diagram)
+            ApplySimulatorConfig(scenario.simulator, self.simulator)
+            self.pace = Pace(self.simulator)
+            self.begin(scenario)
+            on_error.pop_all()
+        if self.writer is not None:
+            # Without ``close_log`` the file is completed when the simulation is freed
+            # or the program ends.
+            self._complete_log = weakref.finalize(self, self.writer.close)
+        if meshcat is not None:
+            from atlas_drake.visualization.scene import show_start
+
+            show_start(meshcat, scenario)
+
+    def close_log(self) -> None:
+        """Completes the log, with the latest record and the events after it."""
+        writer, self.writer = self.writer, None
+        if writer is None:
+            return
+        # What prevents a record has ended the run already, with its error.
+        with suppress(Exception):
+            listener: Any = self.diagram.GetSubsystemByName("log")
+            listener.flush(listener.GetMyContextFromRoot(self.context))
+            recorder, context = self.part("tick_recorder")
+            for event in recorder.events_after_tick(context):
+                writer.event(event)
+        self._complete_log()
+
+    def part(self, name: str) -> tuple[Any, Context]:
+        """Returns a system of the station, and its context."""
+        system: Any = self.station.GetSubsystemByName(name)
+        return system, system.GetMyMutableContextFromRoot(self.context)
 
     @property
     def context(self) -> Context:
@@ -91,22 +171,23 @@ class RunDiagram:
 
     def begin(self, scenario: Scenario) -> None:
         """Begins a run at time 0, with what is drawn from the scenario's seed."""
-        pushes = self._pushes.schedule(scenario.pushes)
+        source, of_source = self.part("push_source")
+        pushes = source.schedule(scenario.pushes)
         variation = draw_variation(scenario, self.robot)
         self._check_place(variation, scenario.start)
-        self.variation = variation
+        self.scenario, self.variation = scenario, variation
         context = self.context
         self.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
-        self._pushes.begin(self._pushes.GetMyMutableContextFromRoot(context), pushes)
+        source.begin(of_source, pushes)
         scale_masses(self.plant, self.plant_context, self.robot, variation)
-        begin_run(
-            self.station,
-            context,
-            scenario.seed,
-            self._terrain,
-            variation.ground_friction,
-        )
+        for name in ("robot_sensors", "inertial_sensor"):
+            if self.station.HasSubsystemNamed(name):
+                sensor, of_sensor = self.part(name)
+                sensor.set_seed(of_sensor, scenario.seed)
+        scene_graph, of_scene = self.part("scene_graph")
+        friction = variation.ground_friction
+        set_ground_friction(self.plant, scene_graph, of_scene, self._terrain, friction)
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(variation, scenario.start)
         self.simulator.Initialize()
@@ -125,14 +206,16 @@ class RunDiagram:
         self._begin_at(moved, start)
         reset_station(self.station, self.context, behavior)
 
-    def restore(self, context: Context, variation: Variation) -> None:
-        """Takes over time, state and parameters of a context, and what its run drew."""
+    def restore(
+        self, context: Context, scenario: Scenario, variation: Variation
+    ) -> None:
+        """Takes over time, state and parameters of a context, and its run."""
         try:
             self.diagram.ValidateContext(context)
         except (RuntimeError, ValueError):
             raise ValueError("the snapshot is that of another simulation") from None
         self.context.SetTimeStateAndParametersFrom(context)
-        self.variation = variation
+        self.scenario, self.variation = scenario, variation
         # Without the events of an initialization; updates that are due now still come.
         self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         self.pace.forget_all()
@@ -164,58 +247,13 @@ class RunDiagram:
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is not finite."
 
-    def receive(self, outcome: Accepted | Refusal) -> Refusal | None:
-        """Hands over what the door said of a message; returns why it is refused."""
-        context = self._interface.GetMyMutableContextFromRoot(self.context)
-        return self._interface.receive(context, outcome)
-
-    def push(self, *push: Any) -> None:
-        """Pushes a body from now on, as ``PushSource.push``."""
-        self._pushes.push(self._pushes.GetMyMutableContextFromRoot(self.context), *push)
-
-    def release(self) -> None:
-        """Lets a robot on the gantry down to the ground, and then go."""
-        if self._gantry is None:
-            raise ScenarioError(
-                "start.on_gantry", False, "there is no gantry to release"
-            )
-        self._gantry.release(self._gantry.GetMyMutableContextFromRoot(self.context))
-
     def output(self, name: str) -> Any:
         """Returns the present value of an output port of the diagram."""
-        index = self._outputs.get(name) if isinstance(name, str) else None
-        if index is None:
-            raise ValueError(
-                f"there is no output port {name!r}."
-                f"{did_you_mean(str(name), self._outputs)} "
-                f"Known are {', '.join(self._outputs)}"
-            )
-        return self.diagram.get_output_port(index).Eval(self.context)
-
-    @property
-    def schema(self) -> Schema:
-        """The schema of the records."""
-        schema: Schema = self._recorder.schema
-        return schema
-
-    def events_since(self, marks: Sequence[float]) -> tuple[Any, Sequence[float]]:
-        """Returns the station's events since the marks, and the present marks."""
-        context = self._recorder.GetMyContextFromRoot(self.context)
-        events, now = self._recorder.events_since(context, marks)
-        return events, now
-
-    def frame_pose(self, name: str) -> RigidTransform:
-        """Returns the pose in W of a body or frame of the robot."""
-        own = self.robot.instance(self.plant)
-        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
-            indices = self.plant.GetFrameIndices(own)
-            known = [self.plant.get_frame(index).name() for index in indices]
-            raise ValueError(
-                f"{self.robot.name} has no frame {name!r}."
-                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
-            )
-        frame = self.plant.GetFrameByName(name, own)
-        return frame.CalcPoseInWorld(self.plant_context)
+        try:
+            port = self.diagram.GetOutputPort(name)
+        except (RuntimeError, TypeError) as error:
+            raise ValueError(f"there is no output port {name!r}: {error}") from error
+        return port.Eval(self.context)
 
     def _check_place(self, variation: Variation, start: Start) -> None:
         """Tries a place apart from the run; only a model of the world can be there."""
@@ -241,11 +279,11 @@ class RunDiagram:
     def _begin_at(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and on the gantry if there is one."""
         self._place(self.context, variation, start)
-        if self._gantry is None:
+        if not self.station.HasSubsystemNamed("gantry"):
             return
-        context = self._gantry.GetMyMutableContextFromRoot(self.context)
+        gantry, context = self.part("gantry")
         if not start.on_gantry:
-            self._gantry.let_go(context)
+            gantry.let_go(context)
             return
         own = self.robot.instance(self.plant)
         pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
@@ -254,7 +292,7 @@ class RunDiagram:
         if start.release_time is not None:
             released = self.context.get_time() + start.release_time
         p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
-        self._gantry.hold(context, p_WP, R_WP, CLEARANCE, released)
+        gantry.hold(context, p_WP, R_WP, CLEARANCE, released)
 
 
 def _moved(variation: Variation, pose: Pose | None) -> Variation:
@@ -267,3 +305,22 @@ def _moved(variation: Variation, pose: Pose | None) -> Variation:
         position=np.array(position, dtype=float),
         rpy=np.array([0.0, 0.0, yaw]),
     )
+
+
+def _schedule(
+    scenario: Scenario, robot: Robot, catalog: BehaviorCatalog
+) -> tuple[ScheduledCommand, ...]:
+    """Returns the tutorial's and the scenario's own commands, in order of time."""
+    schedule = []
+    if scenario.schedule != "none":
+        literal = scenario.schedule == "tutorial_literal"
+        schedule = tutorial_schedule(robot, literal)
+    for index, entry in enumerate(scenario.messages):
+        message = entry.message(robot, f"messages[{index}]", catalog)
+        if isinstance(message, AtlasCommand):
+            kind = "joint command"
+        else:
+            kind = catalog.find(message.behavior, "behavior").name
+        text = entry.text or f"[{kind}]"
+        schedule.append(ScheduledCommand(entry.time, message, text))
+    return tuple(sorted(schedule, key=lambda entry: entry.time))

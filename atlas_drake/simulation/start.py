@@ -1,4 +1,4 @@
-"""How a run begins: its random variation, and checks of a reset and of a restart.
+"""How a run begins: its random variation, and the start that a reset asks for.
 
 ``standing`` places the soles on the ground.
 """
@@ -18,7 +18,6 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.scenario.scenario import starting_behavior
 
 
@@ -104,10 +103,3 @@ def start_of_reset(
             "start.on_gantry", True, "needs a scenario that began on the gantry"
         )
     return begin, start
-
-
-def check_restart(present: Scenario, asked: Scenario) -> None:
-    """Checks that the diagram of a scenario can simulate another scenario."""
-    field = built_in_difference(present, asked)
-    if field is not None:
-        raise ScenarioError(field, None, "is changed, and needs a new simulation")

@@ -71,13 +71,8 @@ HALF_STANCE = 0.15
 def tutorial_schedule(robot: Robot, literal: bool = False) -> list[ScheduledCommand]:
     """Makes the commands of the whole tutorial, with their times.
 
-    Args:
-        robot: The robot, with its stand-prep pose.
-        literal: True to send the arm command exactly as the published script does,
-            without the velocity gains that the script's comment intends.
-
-    Raises:
-        ScenarioError: If the robot lacks joints that the schedule commands.
+    The published script sends the arm command, ``literal``, without the velocity gains
+    that its comment intends. Raises ScenarioError if the robot lacks a joint.
     """
     known = {name for joint in robot.file.joints for name in (joint.name, joint.alias)}
     missing = [name for name in NEEDED if name not in known]

@@ -28,19 +28,10 @@ LAG = 0.5
 
 
 class FilmCamera:
-    """Looks at the robot, picture by picture.
-
-    Attributes:
-        X_TC: Pose of the camera from its target, in axes T that are upright.
-    """
+    """Looks at the robot, picture by picture."""
 
     def __init__(self, view: View | None, period: float) -> None:
-        """Looks from a fixed view, or with None follows the robot.
-
-        Args:
-            view: Place and target of the camera.
-            period: Time between two pictures [s].
-        """
+        """Looks from a fixed view, or with None follows; ``period`` of pictures [s]."""
         self._step = -math.expm1(-period / LAG)
         self._target: Vector | None = None
         self._yaw, self._fixed = 0.0, None

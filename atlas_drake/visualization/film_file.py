@@ -28,12 +28,7 @@ class FilmError(AtlasError):
 
 
 def check_film(path: Path, size: tuple[int, int]) -> None:
-    """Checks that a film of this width and height [pixel] can be made.
-
-    Raises:
-        FilmError: If the ending is unknown, the encoder is missing, the format cannot
-            have this size, or no file can be written there.
-    """
+    """Raises FilmError if no film of this width and height [pixel] can be made."""
     if path.suffix not in ENDINGS:
         raise FilmError(f"{path}: a film must end in {' or '.join(ENDINGS)}")
     if path.suffix == ".mp4" and any(side % 2 for side in size):
@@ -52,11 +47,7 @@ class FilmFile:
     """
 
     def __init__(self, path: Path, rate: int, size: tuple[int, int]) -> None:
-        """Opens the file for pictures of this width and height, so many per second.
-
-        Raises:
-            FilmError: See ``check_film``.
-        """
+        """Opens the file for pictures of this width and height, so many per second."""
         check_film(path, size)
         import av
 
@@ -76,11 +67,7 @@ class FilmFile:
         self.num_frames = 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Appends a picture, shape (height, width, 3).
-
-        Raises:
-            FilmError: If it cannot be written. The file is then deleted.
-        """
+        """Appends a picture, shape (height, width, 3); a fault deletes the file."""
         import av
 
         frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
@@ -97,11 +84,7 @@ class FilmFile:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Completes the file.
-
-        Raises:
-            FilmError: If it cannot be written. The file is then deleted.
-        """
+        """Completes the file."""
         if self._container is None:
             return
         with self._named_faults():

@@ -86,14 +86,7 @@ class FilmStage:
     ) -> None:
         """Sets up the scene, before the diagram of the SceneGraph is built.
 
-        Args:
-            scene_graph: SceneGraph with robot and world.
-            robot: Robot in the picture.
-            size: Width and height of the pictures [pixel].
-            X_TC: Pose of the camera from its target.
-
-        Raises:
-            FilmError: If a mesh cannot be drawn, such as one without normals.
+        ``X_TC`` is the pose of the camera from its target, ``size`` in pixels.
         """
         self._scene_graph = scene_graph
         self._source = scene_graph.RegisterSource("film")
@@ -121,15 +114,7 @@ class FilmStage:
         colors: Sequence[Color] | None,
         X_WC: RigidTransform,
     ) -> Picture:
-        """Takes one picture.
-
-        Args:
-            context: Context of the SceneGraph.
-            query: Its output there.
-            shapes: Shapes in the picture.
-            colors: Colors of the joints' links; None leaves the links their own.
-            X_WC: Pose of the camera, z ahead and y down.
-        """
+        """Takes one picture from ``X_WC``; without colors the links have their own."""
         self._show(context, shapes, X_WC.translation())
         world = SceneGraph.world_frame_id()
         image = query.RenderColorImage(self._camera, world, X_WC)

@@ -60,11 +60,8 @@ class MeshcatShapes:
     def __init__(self, meshcat: Meshcat, recorded: bool) -> None:
         """Draws in ``meshcat``.
 
-        Args:
-            meshcat: Meshcat instance to draw in.
-            recorded: True if a recording must be able to show all shapes again.
-                Otherwise few hidden objects are kept, so that a view does not grow over
-                hours.
+        A recording must be able to show all shapes again; without one few hidden
+        objects are kept, so that a view does not grow over hours.
         """
         self._meshcat, self._recorded = meshcat, recorded
         self._begin()

@@ -61,12 +61,12 @@ class MeshcatView(CollectableSystem):
 
     def _record(self, context: Context) -> TickRecord:
         """Returns the latest record; its costly parts only if they are shown."""
-        record, overlays = self.inputs.record(context), self._overlays
-        if overlays.is_on("forces"):
+        record, on = self.inputs.record(context), self._overlays.on
+        if "forces" in on:
             record = self.inputs.with_contacts(record, context)
         if record.paths is not None:  # Of a replay.
             return record
-        if not (overlays.is_on("plan") or overlays.is_on("swing")):
+        if on.isdisjoint(("plan", "swing")):
             self._paths = None
             return record
         if self._paths is None or self._pictures % PATHS_EVERY == 0:
@@ -82,15 +82,7 @@ def add_meshcat_view(
     meshcat: Meshcat,
     overlays: Overlays | None = None,
 ) -> None:
-    """Adds the robot's visualizer, footsteps and overlays, and sets the scene.
-
-    Args:
-        builder: Builder of the diagram that holds the station.
-        station: An AtlasStation, or the replay of one.
-        robot: Robot of the station.
-        meshcat: Meshcat instance to draw in.
-        overlays: Switches of the overlays, which may change later.
-    """
+    """Adds the robot's visualizer, footsteps and overlays, and sets the scene."""
     prepare_scene(meshcat)
     MeshcatVisualizer.AddToBuilder(
         builder,

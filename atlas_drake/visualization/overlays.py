@@ -57,14 +57,6 @@ class Overlays:
         for name in on:
             self.switch(name, True)
 
-    def is_on(self, name: str) -> bool:
-        """Returns True if an overlay is shown.
-
-        Args:
-            name: A key of ``OVERLAYS``.
-        """
-        return name in self.on
-
     def switch(self, name: str, on: bool) -> None:
         """Shows or hides an overlay; of the two colorings the later one counts.
 
@@ -86,11 +78,7 @@ class Overlays:
 
 
 def logged_overlays(content: LogContent) -> tuple[str, ...]:
-    """Returns the overlays that can be shown of a log.
-
-    Args:
-        content: What the log holds.
-    """
+    """Returns the overlays that can be shown of a log."""
     return tuple(
         name
         for name in OVERLAYS
@@ -99,14 +87,7 @@ def logged_overlays(content: LogContent) -> tuple[str, ...]:
 
 
 def overlays_from(text: str) -> list[str]:
-    """Parses a list of overlays.
-
-    Args:
-        text: Names such as ``com,dcm``, or ``all`` or ``none``.
-
-    Raises:
-        ScenarioError: If there is no such overlay.
-    """
+    """Parses names with commas, ``all`` or ``none``; raises ScenarioError."""
     words = [word.strip() for word in text.split(",") if word.strip()]
     if words == ["all"]:
         return [name for name in OVERLAYS if name != "effort"]

@@ -163,7 +163,7 @@ class Following:
         if not stays:
             self._scene = x, y
             center_at(self._meshcat, x, y)
-        if self._overlays.is_on("follow"):
+        if "follow" in self._overlays.on:
             ground = min(float(p_WF[2]) for p_WF in record.feet.positions)
             goal = np.array([x, y, ground])
             target = goal if self._target is None else self._target

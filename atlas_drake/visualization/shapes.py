@@ -21,13 +21,10 @@ from atlas_drake.visualization.solids import Points, Solid, polygon, tube, turne
 
 
 class Shape(NamedTuple):
-    """A solid, and where it is.
+    """A solid, its pose in W, and a factor along its z axis.
 
-    Attributes:
-        name: Name of what is shown, the same at all times; several shapes may have it.
-        solid: The solid; of a shape that moves always the same one.
-        X_WS: Pose of the solid in W.
-        length: Factor along the solid's z axis.
+    Several shapes may have the name of what is shown; of a shape that moves the solid
+    is always the same.
     """
 
     name: str
@@ -63,13 +60,7 @@ curve's points: a recording keeps every shape that looks different."""
 
 
 def shapes_of(record: TickRecord, on: Collection[str], sole: SoleSize) -> list[Shape]:
-    """Makes what views show of a record, from the ground up: footsteps and overlays.
-
-    Args:
-        record: The record; paths and contacts are shown as far as it has them.
-        on: Names of the overlays; those that are no shapes are ignored.
-        sole: Size of the robot's soles.
-    """
+    """Makes what views show of a record, from the ground up: footsteps and overlays."""
     marks = dict.fromkeys(footstep_marks(record))
     footsteps = [Shape("footsteps", mark_solid(mark, sole)) for mark in marks]
     return footsteps + overlay_shapes(record, on)

@@ -15,16 +15,13 @@ from typing import Protocol
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake.addresses import LOCALHOST, is_private
-from atlas_drake.config import is_whole
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 
 VIEWER_PATIENCE = 15.0
 """Longest time that the start waits for a browser [s]."""
 
 PORTS_TRIED = 100
 """Number of ports, from the requested one on, that are tried."""
-FIRST_PORT, LAST_PORT = 1024, 65535
-"""Range of ports that Meshcat accepts, besides 0, which stands for any free port."""
 
 
 def start_meshcat(
@@ -34,20 +31,9 @@ def start_meshcat(
 ) -> Meshcat:
     """Starts to serve an empty 3D view, by default for this computer only.
 
-    Args:
-        host: Address to listen on; ``*`` stands for all.
-        port: Port to listen on, or the next free one; None is the first free from 7000.
-        say: Called with a message if the port differs from the requested one, and if
-            other computers can reach the view.
-
-    Raises:
-        ScenarioError: If that address cannot be used.
+    ``host`` * stands for all addresses; of ``port``, 1024 to 65535, the next free one
+    is taken. Raises ScenarioError if the address cannot be used.
     """
-    if port is not None and not (
-        is_whole(port) and (port == 0 or FIRST_PORT <= port <= LAST_PORT)
-    ):
-        rule = f"must be {FIRST_PORT} to {LAST_PORT}, is {shown(port)}"
-        raise ScenarioError("--port", port, rule)
     try:
         private = is_private(host)
     except (OSError, ValueError) as error:  # Meshcat's own error gives no reason.

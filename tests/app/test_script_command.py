@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from atlas_drake import read_log
-from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 
 from .conftest import COMMAND
@@ -110,17 +109,6 @@ def test_a_refused_message_is_a_run_that_failed(program, capsys):
     )
     assert main(["script", path, "--headless"]) == 1
     assert "did not execute a command: refused: position" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_a_fall_ends_the_program_soon_after(program, capsys, monkeypatch):
-    monkeypatch.setattr(run_command, "AFTER_FALL", 0.1)
-    path = program("import rospy\nrospy.spin()\nprint('down')\n")
-    falls = ["--set", "initial_behavior=USER", "--set", "jitter.joints=0.6"]
-    assert main(["script", path, "--headless", *falls, "--duration", "60"]) == 1
-    out = capsys.readouterr().out
-    assert "down" in out
-    assert "the robot fell" in out
 
 
 def test_a_missing_program_is_named(tmp_path, capsys):

@@ -3,7 +3,7 @@
 import copy
 import pickle
 import runpy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +22,9 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
+from atlas_drake.behaviors.shipped import shipped_entry
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.config import NotNegative, Share, as_plain
+from atlas_drake.config import Share, as_plain
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,
@@ -35,11 +35,6 @@ from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
-
-
-@dataclass(frozen=True)
-class Speed:
-    speed: NotNegative = 0.3
 
 
 @pytest.fixture(scope="module")
@@ -161,46 +156,6 @@ class Incomplete:
     depth: float
 
 
-@dataclass
-class Nested:
-    """Parameters with everything in them that a sender may change."""
-
-    depth: float = 0.1
-    angles: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    speeds: dict = field(default_factory=lambda: {"left": [1.0, 2.0]})
-    feet: set = field(default_factory=lambda: {0})
-    inner: list = field(default_factory=lambda: [Incomplete(0.1)])
-
-
-def test_parameters_are_copied_at_every_depth(bow):
-    sim = AtlasSimulation(behaviors=[replace(bow, params=Nested, check=None)])
-    port = sim.diagram.GetInputPort("atlas_sim_interface_command")
-    params = Nested()
-    port.FixValue(sim.context, asked("BOW", params))
-    kept = sim.output("commands").request.command.params
-    for count, change in enumerate(
-        (
-            lambda: None,
-            lambda: params.angles.fill(9.0),
-            lambda: params.speeds["left"].append(9.0),
-            lambda: params.speeds.update(right=[9.0]),
-            lambda: params.feet.add(9),
-            lambda: setattr(params.inner[0], "depth", 9.0),
-        ),
-        1,
-    ):
-        change()
-        port.FixValue(sim.context, asked("BOW", params))
-        sim.advance(0.01)
-        # A change in place is a new message.
-        assert sim.output("commands").received == count
-    assert kept.angles.tolist() == [0.0, 0.0]
-    assert kept.speeds == {"left": [1.0, 2.0]}
-    assert kept.feet == {0}
-    assert kept.inner == [Incomplete(0.1)]
-    assert sim.output("commands").request.command.params.inner[0].depth == 9.0
-
-
 def test_a_behavior_begins_only_if_its_conditions_are_met(changed):
     sim, changes = changed
     changes["condition"] = "the audience is missing"
@@ -219,27 +174,6 @@ def test_a_behavior_follows_only_those_that_its_entry_names(sim):
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.MANIPULATE
     assert "MANIPULATE -> BOW refused" in sim.events[-1].text
-
-
-def test_the_behaviors_configuration_reaches_our_controller_made_by_hand(bow):
-    made = []
-    entry = replace(
-        bow,
-        make=lambda tools, config: made.append(config) or bow.make(tools, config),
-        config=Speed(),
-    )
-    scenario = with_settings(Scenario(), ["controller.bow.speed=0.1"])
-
-    def ours(robot, scenario):
-        return make_whole_body_controller(robot, scenario, (*SHIPPED_ENTRIES, entry))
-
-    AtlasSimulation(scenario, controller=ours, behaviors=[entry])
-    assert made == [Speed(0.1)]
-    with pytest.raises(ScenarioError, match="must be greater than or equal to 0"):
-        AtlasSimulation(
-            with_settings(Scenario(), ["controller.bow.speed=-1"]),
-            behaviors=[entry],
-        )
 
 
 def test_a_controller_refuses_a_behavior_that_it_lacks(bow):
@@ -389,8 +323,8 @@ def test_a_users_behavior_is_one_object_and_no_member_of_the_enum():
         ({"conditions": len}, "conditions"),
         ({"follows": "STAND"}, "follows"),
         ({"leads_to": ("STNAD",)}, "leads_to.*STAND"),
-        ({"config": Speed}, "config"),
-        ({"config": Speed(), "config_field": "walk"}, "config_field|'walk'"),
+        ({"config": RestConfig}, "config"),
+        ({"config": RestConfig(), "config_field": "walk"}, "config_field|'walk'"),
         ({"params_field": "walk_params"}, "params_field|walk_params|parameters"),
     ],
 )

@@ -44,20 +44,13 @@ def test_the_schedule_has_the_ports_to_itself():
         AtlasSimulation(Scenario(schedule="tutorial"), extend=manipulate)
 
 
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [
-        (["scheduler"], "extend adds a system named 'scheduler', but the simulation"),
-        (["mine", "mine"], "extend adds a system named 'mine', but it adds two"),
-        ([], "extend must not build the diagram"),
-    ],
-)
-def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
+@pytest.mark.parametrize("names", [["scheduler"], ["mine", "mine"], []])
+def test_an_extension_that_drake_cannot_build_is_refused(names):
     def extend(builder, station):
         for name in names:
             builder.AddNamedSystem(name, LeafSystem())
         if not names:
             builder.Build()
 
-    with pytest.raises(AtlasError, match=words):
+    with pytest.raises(AtlasError, match="extend"):
         AtlasSimulation(Scenario(schedule="tutorial"), extend=extend)

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import LeafSystem
 
 from atlas_drake import (
     AtlasCommand,
@@ -16,7 +14,6 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.shipped import shipped_entry
-from atlas_drake.frozen import NOTHING, read_only
 
 PERIOD = 0.01
 """Of the controller that only listens [s]."""
@@ -112,52 +109,6 @@ def test_a_behavior_gets_read_only_arrays(behavior):
     assert writable((status, paths), "status") == set()
 
 
-class Listening(LeafSystem):
-    """A controller that looks at what the ports hand out."""
-
-    def __init__(self, robot, scenario):
-        super().__init__()
-        self.found = writable(robot, "robot")
-        self._ports = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "user_forecast")
-        ]
-        self.DeclareVectorOutputPort(
-            "behavior_effort",
-            robot.num_joints,
-            self._calc,
-            prerequisites_of_calc={self.nothing_ticket()},
-        )
-        self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._look)
-
-    def _calc(self, context, output):
-        output.SetFromVector(np.zeros(output.size()))
-
-    def _look(self, context):
-        for port in self._ports:
-            self.found |= writable(port.Eval(context), port.get_name())
-
-
-def test_a_controller_gets_read_only_arrays():
-    made = []
-
-    def make(robot, scenario):
-        made.append(Listening(robot, scenario))
-        return made[0]
-
-    sim = AtlasSimulation(controller=make)
-    sim.advance(2 * PERIOD)
-    arms = AtlasCommand()
-    arms.position, arms.kp_velocity = [0.1] * 28, [10.0] * 28
-    arms.k_effort = [100] * 28
-    sim.publish(arms)
-    sim.advance(2 * PERIOD)
-    sim.publish(AtlasSimInterfaceCommand(behavior="USER"))
-    sim.advance(2 * PERIOD)
-    assert set(sim.atlas_state.k_effort) == {255}
-    assert made[0].found == set()
-
-
 class InPlace(Extended):
     """Writes into the body reference that it is given."""
 
@@ -175,13 +126,3 @@ def test_a_behavior_that_writes_into_its_arguments_is_an_error():
     sim.publish(AtlasSimInterfaceCommand(behavior="MINE"))
     with pytest.raises(ValueError, match="read-only"):
         sim.advance(0.05)
-
-
-def test_read_only_skips_arrays_that_were_read_only_before():
-    old, new = np.zeros(2), np.zeros(2)
-    before = {"a": (old, [old])}
-    assert read_only({"a": (old, [old, new])}, before)["a"][1][1] is new
-    assert old.flags.writeable
-    assert not new.flags.writeable
-    read_only(before)
-    assert not old.flags.writeable

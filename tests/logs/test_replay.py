@@ -125,8 +125,8 @@ def test_contact_forces_are_shown_if_the_scenario_asks_for_them(tmp_path):
         sim.advance(0.05)
     log = read_log(tmp_path / "run.mcap")
     overlays = Overlays(logged_overlays(log.scenario.log))
-    assert overlays.is_on("forces")
-    assert not overlays.is_on("plan")
+    assert "forces" in overlays.on
+    assert "plan" not in overlays.on
     record = Replayed(log).at(0.04)
     assert record.paths is None
     weight = sum(contact.force_W[2] for contact in record.contacts)

@@ -127,20 +127,6 @@ def test_a_fall_turns_on_damping_mode_and_a_reset_stands_the_robot_up():
     assert sim.current_behavior is Behavior.FREEZE
 
 
-@pytest.mark.slow
-def test_a_reset_is_as_good_as_a_new_start():
-    fresh, again = AtlasSimulation(), AtlasSimulation()
-    again.publish(asking("USER"))
-    # To a control tick: the first efforts after a reset are those of the next one.
-    again.advance(84 * Scenario().resolved().control_period)
-    again.reset("STAND")
-    for sim in (fresh, again):
-        sim.advance(0.5)
-    np.testing.assert_allclose(
-        again.output("state"), fresh.output("state"), rtol=0.0, atol=1e-9
-    )
-
-
 @pytest.mark.parametrize("behavior", ["STAND", "freeze", Behavior.USER])
 def test_a_reset_puts_the_robot_where_it_is_asked_to(sim, behavior):
     sim.advance(0.02)
@@ -205,20 +191,6 @@ def test_the_gantry_releases_at_its_time_after_each_start_in_it():
     assert [event.time for event in events] == pytest.approx([0.05, 0.15])
 
 
-@pytest.mark.parametrize(
-    ("fields", "fault"),
-    [
-        ({"start": Start(on_gantry=True)}, "initial_behavior: must be USER or FREEZE"),
-        ({"start": Start(release_time=1.0)}, "needs start.on_gantry: true"),
-        (
-            {
-                "start": Start(on_gantry=True, release_time=-1.0),
-                "initial_behavior": "USER",
-            },
-            "start.release_time: is -1.0",
-        ),
-    ],
-)
-def test_an_invalid_gantry_is_refused(fields, fault):
-    with pytest.raises(ScenarioError, match=fault):
-        AtlasSimulation(Scenario(**fields))
+def test_a_gantry_needs_a_behavior_that_hangs():
+    with pytest.raises(ScenarioError, match="initial_behavior"):
+        AtlasSimulation(Scenario(start=Start(on_gantry=True)))

@@ -1,7 +1,6 @@
 """``AtlasSimulation``: arguments, refusals, and results."""
 
 import json
-import threading
 
 import numpy as np
 import pytest
@@ -24,7 +23,6 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.errors import ErrorCode
-from atlas_drake.simulation.tutorial import FIRST_COMMAND
 
 TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
@@ -131,18 +129,6 @@ def test_messages_of_one_instant_are_taken_in_their_order(sim):
     assert [k for k in range(28) if state.k_effort[k]] == [neck]
 
 
-@pytest.mark.slow
-def test_a_message_takes_nothing_from_the_schedule_before_it():
-    # The schedule takes all joints at its first command, at this very tick.
-    sim = AtlasSimulation(Scenario(schedule="tutorial", initial_behavior="FREEZE"))
-    sim.advance_to(FIRST_COMMAND + TICK)
-    assert [event.kind for event in sim.events].count("command") == 1
-    sim.publish(AtlasCommand(kp_velocity=[1.0] * 28))
-    sim.advance(TICK)
-    assert list(sim.atlas_state.k_effort) == [255] * 28
-    assert list(sim.atlas_state.kp_velocity) == [1.0] * 28
-
-
 def test_the_error_is_that_of_the_last_message(sim):
     def report():
         sim.advance(TICK)
@@ -223,19 +209,11 @@ def test_every_output_port_can_be_read_by_its_name(sim):
     assert {"effort", "state", "atlas_state", "imu"} <= set(names)
     for name in names:
         assert sim.output(name) is not None
+    with pytest.raises(ValueError, match="'efort'"):
+        sim.output("efort")
     sim.advance(TICK)
     assert sim.output("atlas_state").header.stamp == sim.atlas_state.header.stamp > 0.0
     assert sim.output("effort").shape == (sim.robot.num_joints,)
-
-
-@pytest.mark.parametrize("name", ["efort", "", None])
-def test_an_output_port_that_does_not_exist_is_named(sim, name):
-    with pytest.raises(ValueError, match="no output port") as caught:
-        sim.output(name)
-    assert repr(name) in str(caught.value)
-    assert "atlas_state, " in str(caught.value)
-    if name == "efort":
-        assert "Did you mean 'effort'?" in str(caught.value)
 
 
 def test_the_gyroscopes_noise_is_in_its_own_axes():
@@ -284,77 +262,6 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
     assert isinstance(caught.value, AtlasError)
 
 
-# ---- threads -------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_no_message_of_another_thread_is_lost(tmp_path):
-    scenario = Scenario()
-    done, sent = threading.Event(), []
-
-    def send():
-        while not done.is_set():
-            sent.append(len(sent))
-            sim.publish(AtlasCommand(effort=[sent[-1]] * 28))
-            if len(sent) % 10 == 0:
-                stamp = sim.atlas_state.header.stamp  # Reading waits for a pause.
-                assert 0.0 <= stamp <= sim.time
-
-    with AtlasSimulation(scenario, log=tmp_path / "run.mcap") as sim:
-        thread = threading.Thread(target=send)
-        thread.start()
-        try:
-            sim.advance(0.3)
-        finally:
-            done.set()
-            thread.join()
-        assert sim.output("commands").received == len(sent)
-        sim.advance(0.01)
-    log = read_log(tmp_path / "run.mcap")
-    assert [command.message.effort[0] for command in log.commands] == sent
-    assert len(sent) > 100
-
-
-def test_another_thread_is_told_what_is_wrong_with_its_message(sim):
-    caught = []
-
-    def send():
-        inside.wait()
-        for message in (AtlasCommand(position=[0.0]), AtlasCommand()):
-            try:
-                sim.publish(message)
-            except InvalidMessageError as error:
-                caught.append(error.field)
-        sent.set()
-
-    def on_event(event):
-        if event.kind == "push":
-            inside.set()
-            assert sent.wait(10.0)
-
-    # While this thread is in the midst of something, which it finishes first.
-    inside, sent = threading.Event(), threading.Event()
-    sim.on_event = on_event
-    thread = threading.Thread(target=send)
-    thread.start()
-    sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
-    thread.join()
-    assert caught == ["position"]
-    commands = sim.output("commands")
-    assert (commands.received, commands.refused) == (2, 1)
-    sim.advance(0.01)
-    assert [event.kind for event in sim.events] == ["push", "refusal"]
-
-
-def test_threads_that_advance_to_one_time_end_there(sim):
-    threads = [threading.Thread(target=sim.advance_to, args=(0.05,)) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sim.time == pytest.approx(0.05, abs=1e-9)
-
-
 # ---- pushes --------------------------------------------------------------------
 
 
@@ -363,15 +270,8 @@ def test_threads_that_advance_to_one_time_end_there(sim):
     [
         (("tail", [1.0, 0.0, 0.0], 0.1), "body"),
         (("utorso", [1.0, 0.0], 0.1), "force_W"),
-        (("utorso", "abc", 0.1), "force_W"),
         (("utorso", [1.0, 0.0, np.inf], 0.1), "force_W"),
-        (("utorso", [1.0, 0.0, 1e308], 0.1), "force_W"),
-        (("utorso", [1.0, 0.0, 10**400], 0.1), "force_W"),
-        (("utorso", [[1.0], 0.0, 0.0], 0.1), "force_W"),
-        (("utorso", {"x": 1.0}, 0.1), "force_W"),
         (("utorso", [1.0, 0.0, 0.0], 0.0), "duration"),
-        (("utorso", [1.0, 0.0, 0.0], -1.0), "duration"),
-        (("utorso", [1.0, 0.0, 0.0], np.nan), "duration"),
     ],
 )
 def test_invalid_pushes_are_refused(sim, arguments, field):

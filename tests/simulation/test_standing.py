@@ -63,15 +63,10 @@ def test_the_robot_is_placed_with_one_call():
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("position", (1.0,)),
         ("position", "ab"),
         ("position", (float("nan"), 0.0)),
         ("rpy", (0.0, 0.0, 1e308)),
-        ("rpy", np.array(1.0)),
         ("joints", [0.0] * 27),
-        ("joints", [float("nan")] * 28),
-        ("joints", "x"),
-        ("clearance", float("nan")),
         ("clearance", "x"),
     ],
 )

@@ -1,6 +1,5 @@
 """Worlds in a simulation: the robot stands where it starts, and replays show them."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ from pydrake.geometry import Role
 from atlas_drake import (
     AtlasSimulation,
     Behavior,
-    Block,
     Scenario,
     ScenarioError,
     Start,
@@ -80,20 +78,6 @@ def test_the_ground_extends_to_every_allowed_start():
         Scenario(world=world).validate()
 
 
-def test_worlds_terrain_models_and_callables_come_together():
-    called = []
-    scenario = load_scenario(EXAMPLE.with_name("ball.yaml"))
-    terrain = [Block(position=[0.0, 5.0, 0.1])]
-    scenario = replace(scenario, world="stairs", terrain=terrain)
-    sim = AtlasSimulation(scenario, world=[called.append])
-    assert sim.plant in called
-    assert sim.plant.HasModelInstanceNamed("ball")
-    names = [f"terrain_{index}" for index in range(5)]
-    inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()
-    for name in names:
-        inspector.GetGeometryIdByName(inspector.world_frame_id(), Role.kProximity, name)
-
-
 def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
     sim = AtlasSimulation(Scenario(world="qual_task_1"))
     begin = sim.pelvis_pose.translation()
@@ -114,30 +98,6 @@ def test_the_command_line_takes_a_world(capsys):
     capsys.readouterr()
     assert main([*arguments, "--world", "stares"]) == 2
     assert "Did you mean 'stairs'" in capsys.readouterr().err
-
-
-def test_help_names_the_worlds(capsys):
-    with pytest.raises(SystemExit):
-        main(["teleop", "--help"])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "--world WORLD" in told
-    for name in available_worlds():
-        assert f"{name} (" in told
-
-
-def test_the_tutorials_example_walks_past_the_first_gate():
-    scenario = load_scenario(EXAMPLE)
-    assert (scenario.world.name, scenario.schedule) == ("qual_task_1", "tutorial")
-    steps = [
-        step
-        for entry in scenario.messages
-        for step in entry.atlas_sim_interface_command.get("walk_params", {}).get(
-            "step_queue", ()
-        )
-    ]
-    assert [step["step_index"] for step in steps] == list(range(1, len(steps) + 1))
-    gate = 1.1  # The far side of its posts [m].
-    assert all(step["pose"]["position"]["x"] - 0.13 > gate for step in steps[-2:])
 
 
 @pytest.mark.slow

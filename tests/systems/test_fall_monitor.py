@@ -4,8 +4,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import Scenario
-from atlas_drake.diagrams.atlas_station import make_atlas_station
-from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.diagrams.atlas_station import make_atlas_station, reset_station
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import Behavior
 

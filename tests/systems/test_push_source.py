@@ -5,8 +5,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import PlannedPush, Scenario
-from atlas_drake.diagrams.atlas_station import make_atlas_station
-from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.diagrams.atlas_station import make_atlas_station, reset_station
 from atlas_drake.messages import Behavior
 from atlas_drake.systems.push_source import Push
 

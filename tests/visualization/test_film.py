@@ -237,7 +237,12 @@ def test_a_mesh_that_cannot_be_drawn_is_named(log, tmp_path):
 
 
 def test_a_log_is_filmed_beside_it(log_file, capsys):
-    options = ["--size", f"{WIDTH}x{HEIGHT}", "--view=3,-2,1.5,0,0,0.9"]
+    options = [
+        "--size",
+        f"{WIDTH}x{HEIGHT}",
+        "--view",
+        *["3", "-2", "1.5", "0", "0", "0.9"],
+    ]
     assert main(["film", str(log_file), *options]) == 0
     path = log_file.with_suffix(".mp4")
     found = frames(path)
@@ -265,12 +270,9 @@ def test_ctrl_c_keeps_the_pictures_so_far(log_file, tmp_path, capsys, monkeypatc
     ("options", "word"),
     [
         (["-o", "TMP/a.avi"], ".mp4"),
-        (["-o", "TMP/none/a.mp4"], "no folder"),
         (["-o", "LOG"], "log"),
-        (["--view=1,2,3"], "--view"),
-        (["--view=1,2,3,1,2,3"], "--view"),
-        (["--size", "960"], "960x540"),
-        (["--show", "copp"], "'cop'"),
+        (["--view", *"123"], "--view"),
+        (["--view", *"123123"], "lens"),
     ],
 )
 def test_options_that_cannot_be_used_exit_with_2(
@@ -289,7 +291,7 @@ def test_a_run_is_filmed_with_what_it_shows(tmp_path, capsys):
     scenario.write_text("duration: 0.1\n")
     options = ["--headless", "--video", str(path), "--video-size", f"{WIDTH}x{HEIGHT}"]
     assert main(["run", str(scenario), *options, "--show", "forces"]) == 0
-    assert f"{path}, " in capsys.readouterr().out
+    assert f"{path}." in capsys.readouterr().out
     shown = frames(path)[-1]
     assert main(["run", str(scenario), *options]) == 0
     changed = differing(shown, frames(path)[-1])
