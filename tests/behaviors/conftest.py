@@ -42,9 +42,14 @@ def model(robot):
 
 
 @pytest.fixture(scope="session")
-def make_tools(model):
+def balance(robot):
+    """What behaviors command the robot with, with default gains."""
+    return Balance(robot, ControlGains())
+
+
+@pytest.fixture(scope="session")
+def make_tools(model, balance):
     """Makes what behaviors are built from, for a height of the center of mass [m]."""
-    balance = Balance(model.robot, ControlGains())
     freeze = Freeze(balance)
     return lambda height: BehaviorTools(
         model, balance, height, BodyRates(), EntryLimits(), freeze, Gait()

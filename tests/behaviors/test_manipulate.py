@@ -74,8 +74,8 @@ def parts(make_tools, observe):
 def start(parts, observe):
     """Enters the behavior with a message."""
 
-    def make(request):
-        seen = observe()
+    def make(request, pitch=0.0):
+        seen = observe(pitch=pitch)
         body = capture_body(seen.terms)
         behavior = parts[0]
         return Ticked(behavior, behavior.enter(seen, body, request), body)
@@ -184,6 +184,15 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
     robot.tick(observe(), quiet)
     assert robot.body.joints[arm] == held.terms.q[arm]
+
+
+def test_a_users_back_bends_the_trunk_as_it_does(start, observe):
+    quiet = asked(use_desired=False)
+    robot = start(quiet, pitch=0.1)
+    robot.tick(observe(pitch=0.12, users={"back_bky": 1.0}), quiet)
+    tilt = robot.body.pelvis_tilt
+    np.testing.assert_allclose(tilt, [0.0, 0.1], atol=1e-3)
+    np.testing.assert_allclose(robot.body.chest_tilt, [0.0, 0.12], atol=1e-3)
 
 
 @pytest.mark.parametrize("bend", [-0.02, 0.02])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
-from atlas_drake.behaviors.balance import Balance, StanceConfig
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
 from atlas_drake.behaviors.stand.stand import StandConfig
@@ -13,7 +13,6 @@ from atlas_drake.behaviors.walk.gait import capture_step, square_up_step
 from atlas_drake.behaviors.walk.phases import FinalTransfer, InitialTransfer, WalkSwing
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 
@@ -23,11 +22,6 @@ PUSHED = 0.8
 """Speed of the robot after a push from which only a step saves it [m/s]."""
 CONFIG = WalkConfig()
 OMEGA = 3.3
-
-
-@pytest.fixture(scope="module")
-def balance(model):
-    return Balance(model.robot, ControlGains())
 
 
 @pytest.fixture(scope="module")

@@ -4,21 +4,19 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 
 from .conftest import as_request
 
 
-def test_the_weight_moves_to_the_middle_at_eight_centimetres_a_second(robot, observe):
+def test_the_weight_moves_to_the_middle_at_eight_centimetres_a_second(balance, observe):
     middle = 0.5 * sum(foot.p_WF[:2] for foot in observe().terms.feet)
     begin = middle + np.array([0.05, 0.0])
     seen = observe(above=begin)
     body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
-    stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
+    stand = Stand(balance, 0.9, BodyRates())
     state = stand.enter(seen, body, request)
     np.testing.assert_allclose(state.com, begin)
     after = stand.update(state, seen, body, request, False).state
@@ -50,10 +48,10 @@ def test_a_changed_pose_is_finished_with_its_trunk_at_the_target(
 
 @pytest.mark.parametrize("foot", [0, 1])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_the_pose_of_a_foot_that_slips_is_latched_again(robot, observe, foot, axis):
+def test_the_pose_of_a_foot_that_slips_is_latched_again(balance, observe, foot, axis):
     seen = observe()
     body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
-    stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
+    stand = Stand(balance, 0.9, BodyRates())
     before = stand.enter(seen, body, request)
     for share in (-1.1, -0.9, 0.9, 1.1):
         slip = np.zeros(3)
