@@ -1,5 +1,8 @@
 """Joints under user control, whole or shared: behaviors balance with the others."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,9 @@ from atlas_drake import (
     AtlasSimulation,
 )
 from atlas_drake.simulation.tutorial import KP_POSITION
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+from hand_over import GOAL, hand_overs
 
 
 def joints_of(sim, *parts):
@@ -191,3 +197,17 @@ def test_five_times_the_tutorials_stiffness_comes_to_rest_on_the_ground():
     for _ in range(50):
         sim.advance(0.006)
         assert speed(sim) < 0.03
+
+
+@pytest.mark.slow
+def test_no_hand_over_of_the_tutorial_is_a_jump():
+    # What comes later, at 15 s, is the user's own doing.
+    found = hand_overs(duration=13.6)
+    behaviors = [(entry["before"], entry["after"]) for entry in found]
+    for change in [("STAND_PREP", "STAND"), ("STAND", "WALK"), ("WALK", "STAND")]:
+        assert change in behaviors
+    # Taken by the user, given back, some joints and all of them.
+    assert {entry["changed"] for entry in found} >= {5, 28}
+    for entry in found:
+        name, jump = entry.get("the behavior's", ("", 0.0))
+        assert jump <= GOAL, (entry["time"], name)

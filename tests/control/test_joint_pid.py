@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.joints.joint_pid import (
+    InverseMass,
     JointCommand,
     PidState,
     change_without_user,
@@ -13,6 +14,8 @@ from atlas_drake.control.joints.joint_pid import (
     step_model,
     user_effort,
 )
+
+from .conftest import TUTORIAL_ROBOTS
 
 PHYSICS_STEPS = (0.0005, 0.003)
 """Shortest and longest that the project offers [s]."""
@@ -241,3 +244,25 @@ def test_a_change_of_the_model_is_no_jolt(random_command):
         effort = effort_of(command, v, v, v, drift, model)
         np.testing.assert_allclose(effort, static)
         held = remembered(v, v, effort, drift, model)
+
+
+@pytest.mark.parametrize("robot", TUTORIAL_ROBOTS, indirect=True, scope="session")
+def test_the_inverse_mass_is_the_acceleration_that_efforts_give(
+    robot, model, random_state
+):
+    inverse_mass = InverseMass(robot)
+    context = inverse_mass.create_context()
+    for seed in range(5):
+        state = random_state(seed)
+        state[model.plant.num_positions() :] = 0.0
+        terms = model.evaluate(model.create_context(), state)
+        q = state[: model.plant.num_positions()]
+        found = inverse_mass.evaluate(context, q)
+        # A used context is as good as a new one, to the bit.
+        fresh = inverse_mass.evaluate(inverse_mass.create_context(), q)
+        assert found.tobytes() == fresh.tobytes()
+        for joint in range(0, model.robot.num_joints, 5):
+            force = np.zeros(6 + model.robot.num_joints)
+            force[6 + joint] = 1.0
+            expected = np.linalg.solve(terms.M, force)[6:]
+            np.testing.assert_allclose(found[:, joint], expected, rtol=1e-6, atol=1e-8)
