@@ -1,6 +1,5 @@
-"""Observations and states of behaviors, made up or simulated; no test is here."""
+"""Observations and states of behaviors, made up; no test is here."""
 
-import dataclasses
 import itertools
 
 import numpy as np
@@ -9,8 +8,6 @@ import pytest
 from atlas_drake import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
-    AtlasSimulation,
-    Scenario,
 )
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
@@ -20,13 +17,10 @@ from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import load_robot
 
-LOOK = 0.02
-"""Time between looks at a running simulation [s]."""
 _numbers = itertools.count(1)
 
 
@@ -48,9 +42,14 @@ def model(robot):
 
 
 @pytest.fixture(scope="session")
-def make_tools(model):
+def balance(robot):
+    """What behaviors command the robot with, with default gains."""
+    return Balance(robot, ControlGains())
+
+
+@pytest.fixture(scope="session")
+def make_tools(model, balance):
     """Makes what behaviors are built from, for a height of the center of mass [m]."""
-    balance = Balance(model.robot, ControlGains())
     freeze = Freeze(balance)
     return lambda height: BehaviorTools(
         model, balance, height, BodyRates(), EntryLimits(), freeze, Gait()
@@ -107,43 +106,3 @@ def walk_message():
         return command
 
     return make
-
-
-@dataclasses.dataclass
-class Look:
-    """The robot's report at one moment, and its state in the plant."""
-
-    time: float
-    report: AtlasSimInterfaceState
-    state: np.ndarray
-
-
-class Recording:
-    """A simulation that is looked at every LOOK seconds."""
-
-    def __init__(self, scenario=None):
-        self.sim = AtlasSimulation(scenario or Scenario())
-        self.looks: list[Look] = []
-
-    def advance(self, seconds, until=None):
-        """Runs for so long, or until ``until`` is true of the latest report."""
-        end = self.sim.time + seconds
-        while self.sim.time < end - 1e-9:
-            self.sim.advance_to(min(end, self.sim.time + LOOK))
-            report = self.sim.atlas_sim_interface_state
-            state = self.sim.diagram.GetOutputPort("state").Eval(self.sim.context)
-            self.looks.append(Look(self.sim.time, report, state))
-            if until is not None and until(report):
-                return True
-        return False
-
-    def ask(self, behavior):
-        """Asks for a behavior."""
-        command = AtlasSimInterfaceCommand(behavior=behavior)
-        self.sim.publish(command)
-
-
-@pytest.fixture(scope="session")
-def record():
-    """Makes a ``Recording`` of a scenario."""
-    return Recording

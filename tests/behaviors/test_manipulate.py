@@ -1,4 +1,4 @@
-"""MANIPULATE: its goals for messages, and the motion of the simulated robot."""
+"""MANIPULATE: its goals for messages, and its references."""
 
 import dataclasses
 import math
@@ -21,13 +21,6 @@ POSE_FIELDS = (
     "com_v0",
     "com_v1",
 )
-LENGTH_TOLERANCE = 0.01
-"""[m]"""
-ANGLE_TOLERANCE = 0.02
-"""[rad]"""
-TOLERANCE = np.array(
-    [LENGTH_TOLERANCE, *[ANGLE_TOLERANCE] * 3, *[LENGTH_TOLERANCE] * 2]
-)
 
 
 def message(use_desired=True, demo=False, **desired):
@@ -46,9 +39,6 @@ def asked(use_desired=True, demo=False, **desired):
 
 def numbers(pose):
     return np.array([getattr(pose, name) for name in POSE_FIELDS])
-
-
-# ---- the behavior by itself -------------------------------------------------
 
 
 @dataclasses.dataclass
@@ -84,8 +74,8 @@ def parts(make_tools, observe):
 def start(parts, observe):
     """Enters the behavior with a message."""
 
-    def make(request):
-        seen = observe()
+    def make(request, pitch=0.0):
+        seen = observe(pitch=pitch)
         body = capture_body(seen.terms)
         behavior = parts[0]
         return Ticked(behavior, behavior.enter(seen, body, request), body)
@@ -196,6 +186,15 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
 
 
+def test_a_users_back_bends_the_trunk_as_it_does(start, observe):
+    quiet = asked(use_desired=False)
+    robot = start(quiet, pitch=0.1)
+    robot.tick(observe(pitch=0.12, users={"back_bky": 1.0}), quiet)
+    tilt = robot.body.pelvis_tilt
+    np.testing.assert_allclose(tilt, [0.0, 0.1], atol=1e-3)
+    np.testing.assert_allclose(robot.body.chest_tilt, [0.0, 0.12], atol=1e-3)
+
+
 @pytest.mark.parametrize("bend", [-0.02, 0.02])
 def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
     quiet = asked(use_desired=False)
@@ -237,85 +236,3 @@ def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     assert robot.outcome.finished
     robot.tick(observe(), request)
     assert robot.feedback.clamped.pelvis_height == 0.85
-
-
-# ---- the simulated robot -----------------------------------------------------
-
-
-def measured(recording, robot):
-    """The pose from the plant itself, not from what the behavior says of it."""
-    sim = recording.sim
-    plant = sim.plant
-    context = plant.GetMyContextFromRoot(sim.context)
-    soles = [
-        plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
-        for foot in robot.file.feet
-    ]
-    left, right = (sole.translation() for sole in soles)
-    middle = 0.5 * (left + right)
-    along = (left - right)[:2] / np.linalg.norm((left - right)[:2])
-    across = np.array([along[1], -along[0]])
-    offset = (plant.CalcCenterOfMassPositionInWorld(context) - middle)[:2]
-    pelvis = sim.pelvis_pose
-    roll, pitch, yaw = pelvis.rotation().ToRollPitchYaw().vector()
-    heading = np.mean([sole.rotation().ToRollPitchYaw().yaw_angle() for sole in soles])
-    height = pelvis.translation()[2] - middle[2]
-    return np.array(
-        [height, yaw - heading, pitch, roll, offset @ along, offset @ across]
-    )
-
-
-def move(recording, request, seconds):
-    """Sends a message and returns how far any joint was loaded on the way."""
-    recording.sim.publish(request)
-    limit = recording.sim.robot.effort_limit
-    load = np.zeros(len(limit))
-    end = recording.sim.time + seconds
-    while recording.sim.time < end - 1e-9:
-        recording.advance(0.02)
-        effort = np.abs(np.array(recording.sim.atlas_state.effort))
-        load = np.maximum(load, effort / limit)
-    return load.max()
-
-
-def assert_follows(recording):
-    assert not recording.sim.has_fallen
-    feedback = recording.looks[-1].report.manipulate_feedback
-    pose = measured(recording, recording.sim.robot)
-    error = np.abs(pose - numbers(feedback.clamped))
-    assert (error < TOLERANCE).all(), error
-    sensed = numbers(feedback.internal_sensed)
-    np.testing.assert_allclose(sensed, pose, atol=2e-3)
-
-
-@pytest.mark.slow
-def test_the_robot_takes_the_pose_that_is_granted(record):
-    recording = record()
-    # The customary pose; far too deep and sideways; leaning and turned.
-    for request, granted in (
-        (message(), True),
-        (message(pelvis_height=0.1, com_v0=1.0, pelvis_roll=-2.0), False),
-        (
-            message(
-                pelvis_height=0.86,
-                pelvis_yaw=0.1,
-                pelvis_pitch=0.3,
-                pelvis_roll=-0.1,
-                com_v0=-0.03,
-                com_v1=0.04,
-            ),
-            True,
-        ),
-    ):
-        assert move(recording, request, 3.8) < 1.0
-        assert_follows(recording)
-        clamped = recording.looks[-1].report.manipulate_feedback.clamped
-        desired = request.manipulate_params.desired
-        assert (clamped == desired) == granted
-    # No jerks on the way, once the soles have settled on the ground.
-    looks = [look for look in recording.looks if look.time > 0.1]
-    heights = np.array([look.state[6] for look in looks])
-    times = np.array([look.time for look in looks])
-    speed = np.diff(heights) / np.diff(times)
-    assert np.abs(speed).max() < 0.15
-    assert np.abs(np.diff(speed)).max() < 0.03

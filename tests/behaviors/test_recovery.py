@@ -3,14 +3,8 @@
 import numpy as np
 import pytest
 
-from atlas_drake import (
-    AtlasSimInterfaceCommand,
-    AtlasSimulation,
-    Behavior,
-    BehaviorStatus,
-    Scenario,
-)
-from atlas_drake.behaviors.balance import Balance, StanceConfig
+from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
 from atlas_drake.behaviors.stand.stand import StandConfig
@@ -19,7 +13,6 @@ from atlas_drake.behaviors.walk.gait import capture_step, square_up_step
 from atlas_drake.behaviors.walk.phases import FinalTransfer, InitialTransfer, WalkSwing
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 
@@ -29,13 +22,6 @@ PUSHED = 0.8
 """Speed of the robot after a push from which only a step saves it [m/s]."""
 CONFIG = WalkConfig()
 OMEGA = 3.3
-PUSH_DURATION = 0.15
-"""[s]"""
-
-
-@pytest.fixture(scope="module")
-def balance(model):
-    return Balance(model.robot, ControlGains())
 
 
 @pytest.fixture(scope="module")
@@ -188,57 +174,3 @@ def test_feet_apart_after_a_recovery_step_are_squared_up(walk, observe, foot):
     # Feet that still stand apart after that step are put side by side again.
     assert outcome.state.progress.recovery_index == 2
     assert settled(walk, observe, foot, 0.02).finished
-
-
-# ---- in a simulation ---------------------------------------------------------
-
-
-def pushed(speed, direction=(1.0, 0.0), behavior="STAND", **fields):
-    """The simulation of a push on the standing robot, until it stands again."""
-    sim = AtlasSimulation(Scenario(**fields))
-    sim.advance(0.5)
-    if behavior != "STAND":
-        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
-        sim.advance(0.5)
-    force = speed * sim.robot.mass / PUSH_DURATION
-    sim.apply_push(
-        sim.robot.file.chest,
-        [force * direction[0], force * direction[1], 0.0],
-        PUSH_DURATION,
-    )
-    sim.advance(0.4)
-    end = sim.time + 12.0
-    while sim.current_behavior is Behavior.WALK and sim.time < end:
-        sim.advance(0.1)
-    sim.advance(0.5)
-    return sim
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("behavior", "direction"), [("STAND", (1.0, 0.0)), ("MANIPULATE", (-1.0, 0.0))]
-)
-def test_a_pushed_robot_steps_and_stands_again(behavior, direction):
-    sim = pushed(0.5, direction, behavior)
-    assert not sim.has_fallen
-    assert sim.current_behavior is Behavior.STAND
-    assert len(sim.footsteps) >= 1
-    assert sim.footsteps[0]["error_m"] < 0.05  # From its own aim.
-    texts = [event.text for event in sim.events if event.kind == "behavior"]
-    assert f"{behavior} -> WALK (by itself)" in texts
-    assert texts[-1] == "WALK -> STAND (by itself)"
-    flags = sim.atlas_sim_interface_state.behavior_feedback.status_flags
-    assert flags & BehaviorStatus.WARNING_AUTO_TRANS
-    left, right = (
-        pose.position.to_array() for pose in sim.atlas_sim_interface_state.foot_pos_est
-    )
-    assert np.linalg.norm(left - right) < 0.3
-
-
-@pytest.mark.slow
-def test_without_recovery_steps_the_same_push_makes_it_fall():
-    controller = {"stand": {"recovery_steps": False}}
-    sim = pushed(0.5, controller=controller)
-    sim.advance(1.5)
-    assert sim.has_fallen
-    assert not sim.footsteps

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.step.config import StepConfig, StepRules
@@ -23,7 +22,6 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.sole import on_toes
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
@@ -45,11 +43,6 @@ RULES = StepRules(
     rest_speed=0.05,
 )
 """The defaults, in numbers: another default is another step."""
-
-
-@pytest.fixture(scope="module")
-def balance(robot):
-    return Balance(robot, ControlGains())
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.cockpit.cockpit import Cockpit, CockpitError, open_cockpit
-from atlas_drake.cockpit.orders import Order, Reply
 
 
 @pytest.fixture(scope="module")
@@ -62,12 +61,6 @@ def test_a_pause_holds_an_advance_until_the_program_ends(cockpit, flown):
     assert time.monotonic() - begin > 0.25
     cockpit.operator.clock.go_on()
     cockpit.asked_to_stop = lambda: False
-
-
-def test_an_order_that_cannot_be_used_is_answered(cockpit, flown):
-    reply = cockpit._reply_to(Order("walk.steer", {"forward": float("nan")}, 7))
-    assert (reply.number, bool(reply.problem)) == (7, True)
-    assert cockpit._reply_to(Order("walk.drop_plan", {}, 8)) == Reply(8)
 
 
 def test_a_simulation_that_follows_takes_the_page_over(cockpit, flown):

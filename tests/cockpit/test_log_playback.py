@@ -1,6 +1,5 @@
 """A log in the cockpit: its states, jumps in time, plots, and what is refused."""
 
-import asyncio
 import base64
 
 import msgpack
@@ -13,9 +12,8 @@ from atlas_drake.cockpit.log_playback import PAST_POINTS, LogPlayback
 from atlas_drake.cockpit.log_state import REFUSAL, card_of_log, state_of_log
 from atlas_drake.cockpit.observe import Observer
 from atlas_drake.cockpit.operator import Operator
-from atlas_drake.cockpit.orders import Order, Reply
+from atlas_drake.cockpit.orders import Order
 from atlas_drake.cockpit.page.chart import charts
-from atlas_drake.cockpit.page.desk import Desk, Viewer
 from atlas_drake.cockpit.page.history import History
 from atlas_drake.cockpit.page.panels.scrubber import band
 from atlas_drake.cockpit.recording_controls import ANIMATION, MESSAGE
@@ -194,34 +192,6 @@ def test_the_card_of_a_log_names_its_phases_and_columns(log):
     drawn = band(card.log, card.behaviors)
     assert drawn.count("<i ") == len(card.log.phases)
     assert "forces" not in card.overlays  # No log has them.
-
-
-class FakeLink:
-    def __init__(self):
-        self.sent = []
-
-    def send(self, value):
-        self.sent.append(value)
-
-
-def test_every_viewer_plots_without_steering():
-    desk = Desk(FakeLink())
-    first, second = Viewer(may_steer=True), Viewer(may_steer=False)
-    desk.seat(first)
-    desk.seat(second)
-    asyncio.run(_plot(desk, first, ["a", "b"]))
-    asyncio.run(_plot(desk, second, ["b", "c"]))
-    assert desk._link.sent[-1].values == {"names": ["a", "b", "c"]}
-    desk.remove_viewer(first)
-    assert desk._link.sent[-1].values == {"names": ["b", "c"]}
-
-
-async def _plot(desk, viewer, names):
-    """Plots, and answers as the simulation does."""
-    asked = asyncio.ensure_future(desk.plot(viewer, names))
-    await asyncio.sleep(0)
-    desk.take(Reply(desk._link.sent[-1].number))
-    await asked
 
 
 def test_a_recording_becomes_a_page(driven):

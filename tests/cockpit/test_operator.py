@@ -7,7 +7,8 @@ from atlas_drake import AtlasSimulation, Behavior, InvalidMessageError, Scenario
 from atlas_drake.cockpit.clock_controls import KEPT_EVERY, SINGLE_STEP
 from atlas_drake.cockpit.joint_controls import DAMPING, SPEED
 from atlas_drake.cockpit.mode_controls import refusal_in_words
-from atlas_drake.cockpit.operator import CONTROLS, Operator
+from atlas_drake.cockpit.operator import CONTROLS
+from atlas_drake.cockpit.page.keys import KEYS
 from atlas_drake.errors import AtlasError
 
 from .conftest import Driven
@@ -24,6 +25,9 @@ def test_every_control_that_the_page_may_use_exists(driven):
     for group, names in CONTROLS.items():
         for name in names:
             assert callable(getattr(getattr(driven.operator, group), name))
+    for key in KEYS.values():
+        group, name = key.control.split(".")
+        assert name in CONTROLS[group]
 
 
 @pytest.mark.parametrize(
@@ -80,39 +84,6 @@ def test_steering_walks_within_a_tenth_of_a_second(driven):
     driven.do("walk.steer", forward=1.0)
     driven.go(ACTS_WITHIN)
     assert driven.sim.current_behavior is Behavior.WALK
-
-
-@pytest.mark.slow
-def test_a_walk_is_steered_and_stopped(driven):
-    driven.do("walk.set_gait", stride=0.25)
-    driven.do("walk.steer", forward=1.0)
-    driven.go(3.0)
-    driven.do("walk.steer", forward=1.0, turn=1.0)
-    driven.go(2.0)
-    driven.do("walk.stop")
-    driven.sim.wait_until(lambda _sim: stands(driven), 6.0)
-    assert not driven.sim.has_fallen
-    assert driven.sim.pelvis_pose.translation()[0] > 0.6
-
-
-def stands(driven):
-    driven.operator.update(driven.sim.time)
-    return driven.sim.current_behavior is Behavior.STAND
-
-
-@pytest.mark.slow
-def test_a_plan_is_shown_changed_sent_and_walked(driven):
-    assert driven.do("walk.plan_to", x=1.0, y=0.3) > 4
-    assert driven.sim.current_behavior is Behavior.STAND
-    index = len(driven.operator.walk.plan) // 2
-    place = driven.operator.walk.plan[index - 1].pose.position
-    driven.do("walk.move_step", index=index, x=place.x + 0.02, y=place.y)
-    driven.do("walk.send_plan")
-    assert driven.operator.walk.plan == ()
-    driven.go(0.1)
-    driven.sim.wait_until(lambda _sim: stands(driven), 20.0)
-    x, y, _ = driven.sim.pelvis_pose.translation()
-    assert np.hypot(x - 1.0, y - 0.3) < 0.06
 
 
 def test_a_plan_keeps_the_height_of_the_ground():
@@ -271,11 +242,3 @@ def test_stop_comes_to_rest(driven):
     driven.do("modes.stop")
     driven.go(0.1)
     assert driven.sim.atlas_sim_interface_state.desired_behavior == Behavior.STAND
-
-
-def test_overlays_are_switched(driven):
-    operator = Operator(driven.sim)
-    operator.view.show("com", True)
-    operator.view.show("owner", True)
-    operator.view.show("effort", True)
-    assert operator.view.shown == {"com", "effort"}

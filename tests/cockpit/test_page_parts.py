@@ -7,16 +7,13 @@ import pytest
 
 from atlas_drake.cockpit.card import joint_cards
 from atlas_drake.cockpit.observe import Observer
-from atlas_drake.cockpit.operator import CONTROLS
 from atlas_drake.cockpit.orders import Order, Reply
 from atlas_drake.cockpit.page.access import BURST, Access, Throttled
 from atlas_drake.cockpit.page.desk import MOST_OPEN, STOP, Desk, Refused, Viewer
-from atlas_drake.cockpit.page.figure import TARGET, Figure, owner_color, spread
-from atlas_drake.cockpit.page.keys import KEYS
+from atlas_drake.cockpit.page.figure import TARGET, Figure, spread
 from atlas_drake.cockpit.page.panels import plan, strain, timeline
 from atlas_drake.cockpit.page.relay import Pending, subject_of
 from atlas_drake.cockpit.page.server import free_port
-from atlas_drake.palette import BEHAVIOR, USER, hex_color
 from atlas_drake.robot import load_robot
 
 HOST = "localhost:8080"
@@ -121,11 +118,8 @@ def test_only_the_latest_pose_of_an_object_is_sent():
         return [await pending.take() for _ in range(4)]
 
     assert asyncio.run(all_of_it()) == [made, pose("/b", 1), pose("/a", 2), made]
-
-
-@pytest.mark.parametrize("junk", [b"", b"\xff\xff", b"\xc1", msgpack.packb([1, 2])])
-def test_what_meshcat_would_not_send_is_about_nothing(junk):
-    assert subject_of(junk) is None
+    for junk in (b"", b"\xff\xff", b"\xc1", msgpack.packb([1, 2])):
+        assert subject_of(junk) is None
 
 
 class FakeLink:
@@ -137,8 +131,13 @@ class FakeLink:
 
 
 @pytest.fixture
-def desk():
-    return Desk(FakeLink())
+def link():
+    return FakeLink()
+
+
+@pytest.fixture
+def desk(link):
+    return Desk(link)
 
 
 def seated(desk, may_steer=True):
@@ -162,13 +161,13 @@ def test_one_viewer_steers_and_others_can_ask(desk):
     assert desk.steers is first
 
 
-def test_a_watcher_can_stop_the_robot(desk):
+def test_a_watcher_can_stop_the_robot(desk, link):
     first, second, guest = seated(desk), seated(desk), seated(desk, may_steer=False)
 
     async def stop(viewer):
         asked = asyncio.ensure_future(desk.order(viewer, STOP))
         await asyncio.sleep(0)
-        for order in desk._link.sent:
+        for order in link.sent:
             if isinstance(order, Order):
                 desk.take(Reply(order.number, value="stopped"))
         return await asked
@@ -189,13 +188,13 @@ def test_who_has_no_token_never_steers(desk):
     assert "token" in watcher.told[0]
 
 
-def test_an_order_is_answered_or_refused(desk):
+def test_an_order_is_answered_or_refused(desk, link):
     viewer = seated(desk)
 
     async def ask():
         asked = asyncio.ensure_future(desk.order(viewer, "walk.stop"))
         await asyncio.sleep(0)
-        order = next(one for one in desk._link.sent if isinstance(one, Order))
+        order = next(one for one in link.sent if isinstance(one, Order))
         desk.take(Reply(order.number, problem="no"))
         await asked
 
@@ -203,7 +202,23 @@ def test_an_order_is_answered_or_refused(desk):
         asyncio.run(ask())
 
 
-def test_a_flood_of_orders_is_dropped(desk):
+def test_every_viewer_plots_without_steering(desk, link):
+    first, second = seated(desk), seated(desk, may_steer=False)
+
+    async def plot(viewer, names):
+        asked = asyncio.ensure_future(desk.plot(viewer, names))
+        await asyncio.sleep(0)
+        desk.take(Reply(link.sent[-1].number))
+        await asked
+
+    asyncio.run(plot(first, ["a", "b"]))
+    asyncio.run(plot(second, ["b", "c"]))
+    assert link.sent[-1].values == {"names": ["a", "b", "c"]}
+    desk.remove_viewer(first)
+    assert link.sent[-1].values == {"names": ["b", "c"]}
+
+
+def test_a_flood_of_orders_is_dropped(desk, link):
     viewer = seated(desk)
 
     async def flood():
@@ -218,16 +233,16 @@ def test_a_flood_of_orders_is_dropped(desk):
             one.cancel()
 
     asyncio.run(flood())
-    orders = [one for one in desk._link.sent if isinstance(one, Order)]
+    orders = [one for one in link.sent if isinstance(one, Order)]
     assert len(orders) == MOST_OPEN
 
 
-def test_a_walk_ends_when_who_steers_it_goes(desk, driven):
+def test_a_walk_ends_when_who_steers_it_goes(desk, link, driven):
     viewer = seated(desk)
     driven.do("walk.steer", forward=1.0)
     desk.take(Observer(driven.sim, driven.operator).read(0))
     desk.remove_viewer(viewer)
-    assert Order("walk.stop") in desk._link.sent
+    assert Order("walk.stop") in link.sent
 
 
 def test_states_show_the_run_and_each_event_once(driven, desk):
@@ -276,18 +291,6 @@ def test_the_figure_has_a_button_for_each_joint_and_limb(model):
         for b in places[i + 1 :]
     )
     assert nearest**0.5 > 2.0 * TARGET
-
-
-def test_colors_go_from_the_behavior_to_the_user():
-    assert owner_color(0) == hex_color(BEHAVIOR)
-    assert owner_color(255) == hex_color(USER)
-
-
-def test_keys_use_controls_that_exist(driven):
-    for key in KEYS.values():
-        group, name = key.control.split(".")
-        assert name in CONTROLS[group]
-        assert callable(getattr(getattr(driven.operator, group), name))
 
 
 def test_the_next_free_port_is_taken():

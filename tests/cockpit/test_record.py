@@ -11,10 +11,6 @@ from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceCommand
 from atlas_drake.records.plain import message_from, to_plain
 from atlas_drake.scenario import scenario_from
 
-NEAR = 0.005
-"""Joints hear a message a physics step earlier from a scenario: what ends nearer than
-this [m] is the same walk."""
-
 
 class ByHand:
     """Drives between two physics steps after a control tick."""
@@ -63,44 +59,10 @@ def test_a_short_run_by_hand_ends_in_the_same_bits():
     np.testing.assert_array_equal(state_of(again), state_of(by_hand.sim))
 
 
-@pytest.mark.slow
-def test_a_walk_by_hand_is_walked_again():
-    by_hand = ByHand()
-    operator = by_hand.operator
-    operator.walk.steer(forward=1.0)
-    by_hand.go(250)
-    operator.joints.share(
-        [n for n in by_hand.sim.robot.joint_names if n.startswith("r_arm")], 255
-    )
-    by_hand.go(100)
-    by_hand.go_to_tick()
-    operator.pushes.push("utorso", [0.0, 6.0, 2.0])
-    by_hand.go(150)
-    operator.walk.stop()
-    by_hand.go(170)
-    again = replayed(operator.scenario.done())
-    place, before = (sim.pelvis_pose.translation() for sim in (again, by_hand.sim))
-    assert place[0] > 0.3
-    np.testing.assert_allclose(place, before, atol=NEAR)
-    assert again.current_behavior is by_hand.sim.current_behavior
-
-
 def first_change(sim):
     """Time of the first behavior since the last reset [s]."""
     times = [event.time for event in sim.events if event.kind == "behavior"]
     return times[-1]
-
-
-def test_what_was_sent_at_once_is_sent_after_a_tick():
-    """A run has no tick before its first, in which the message could be sent."""
-    by_hand = ByHand()
-    by_hand.operator.clock.reset(seed=0)
-    by_hand.tick = -1
-    by_hand.operator.modes.request("MANIPULATE")
-    by_hand.go(4)
-    again = replayed(by_hand.operator.scenario.done())
-    later = first_change(again) - first_change(by_hand.sim)
-    assert later == pytest.approx(by_hand.period)
 
 
 def test_ticks_count_from_a_reset():

@@ -58,13 +58,9 @@ def test_cop_is_the_segments(segments, plan):
         start += segment.duration
 
 
-def test_ends_at_rest_over_the_last_cop(segments, plan):
+def test_ends_at_rest_over_the_last_cop_and_ends_are_held(segments, plan):
     end = plan.evaluate(plan.duration)
-    np.testing.assert_allclose(end.dcm, segments[-1].end, atol=1e-12)
-    np.testing.assert_allclose(end.cop, segments[-1].end, atol=1e-12)
-
-
-def test_duration_and_ends_are_held(segments, plan):
+    np.testing.assert_allclose([end.dcm, end.cop], [segments[-1].end] * 2, atol=1e-12)
     assert plan.duration == pytest.approx(sum(s.duration for s in segments))
     for outside, at in ((-1.0, 0.0), (plan.duration + 5.0, plan.duration)):
         held, end = plan.evaluate(outside), plan.evaluate(at)

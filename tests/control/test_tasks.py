@@ -1,4 +1,4 @@
-"""Feedback laws of single tasks: each closed loop behaves as documented."""
+"""Feedback laws of single tasks, and the center of pressure from wrenches."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from atlas_drake.control.balance.feedback import (
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
 from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.wrenches import center_of_pressure
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 
@@ -46,3 +47,22 @@ def test_a_falling_robot_damps_its_joints_within_their_limits(period, gain):
     np.testing.assert_allclose(
         damping_effort(v, limit, period), [gain * 1e3, -limit[1]]
     )
+
+
+def test_the_cop_is_the_loads_mean_shifted_by_the_moments():
+    soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.2]])
+    wrenches = np.zeros(12)
+    assert center_of_pressure(soles, wrenches) is None
+    wrenches[5] = wrenches[11] = 400.0
+    np.testing.assert_allclose(center_of_pressure(soles, wrenches), [0.15, 0.0, 0.1])
+    # The left foot alone, pressed 5 cm before and 2 cm left of its center.
+    wrenches[11] = 0.0
+    wrenches[:3] = np.cross([0.05, 0.02, 0.0], [0.0, 0.0, 400.0])
+    np.testing.assert_allclose(center_of_pressure(soles, wrenches), [0.05, 0.12, 0.0])
+
+
+def test_a_foot_that_barely_touches_has_no_cop():
+    wrenches = np.zeros(12)
+    for load, exists in ((19.0, False), (21.0, True)):
+        wrenches[5] = load
+        assert (center_of_pressure(np.zeros((2, 3)), wrenches) is not None) == exists

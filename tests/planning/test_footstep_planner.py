@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from atlas_drake import (
     AtlasSimInterfaceState,
-    AtlasSimulation,
     Behavior,
     Gait,
     Quaternion,
@@ -352,16 +351,3 @@ def test_a_stream_ends_with_a_walk_that_ends_early_or_never_begins():
     assert stream.next_command(later) is None
     assert StepStream([]).is_over(later)
     assert StepStream([]).next_command(later) is None
-
-
-@pytest.mark.slow
-def test_the_robot_walks_to_a_pose(walk):
-    sim = AtlasSimulation()
-    goal = 0.4, 0.2, -0.3
-    steps = steps_to(sim.atlas_sim_interface_state, *goal)
-    assert len(walk(sim, steps)) == len(steps)
-    assert sim.summary()["success"]
-    assert [e.text for e in sim.events if e.kind == "warning"] == []
-    here = middle(soles(sim.atlas_sim_interface_state))
-    np.testing.assert_allclose(here[:2], goal[:2], atol=0.01)
-    assert here[2] == pytest.approx(goal[2], abs=0.02)

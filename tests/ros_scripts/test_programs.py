@@ -383,10 +383,12 @@ def test_an_unknown_name_raises_with_the_known_names(run, text, words):
     assert "program.py" in ran.complained.partition("File ")[2].partition("\n")[0]
 
 
-def test_hasattr_and_defaults_work_for_unknown_names(run):
-    text = "print(hasattr(rospy, 'Foo'), getattr(rospy, 'Foo', 3))\n"
+def test_a_program_has_arguments_and_defaults_of_unknown_names(run):
+    text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
+    text += "print(hasattr(rospy, 'Foo'), getattr(rospy, 'Foo', 3))\n"
     text += "print(rospy.get_param('~foo', 4), rospy.has_param('foo'))\n"
-    assert run(text).printed == ["False 3", "4 False"]
+    ran = run(text, "-a", "x:=y")
+    assert ran.printed == ["['-a', 'x:=y'] ['-a']", "False 3", "4 False"]
 
 
 @pytest.mark.parametrize(
@@ -453,9 +455,3 @@ rospy.sleep(0.02)
     queue = ran.sim.output("commands").request.command.walk_params.step_queue
     x = [step.pose.position.x for step in queue]
     assert x == pytest.approx([0.2, 0.2, 0.4, 0.4], abs=0.01)
-
-
-def test_a_program_has_its_own_arguments(run):
-    text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
-    ran = run(text, "-a", "x:=y")
-    assert ran.printed == ["['-a', 'x:=y'] ['-a']"]
