@@ -341,6 +341,10 @@ def joined(path: str, name: object) -> str:
     return f"{path}.{name}" if path else str(name)
 
 
+MAX_VALUES = 1_000_000
+"""Largest number of values in a YAML text; an alias counts as all that it names."""
+
+
 class _Loader(yaml.SafeLoader):
     """Refuses what would be read otherwise than it looks.
 
@@ -348,14 +352,24 @@ class _Loader(yaml.SafeLoader):
     """
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Composes a node; a node without an end is one that is still composed."""
+        """Composes a node, and counts the values within."""
         event = self.peek_event()
         node = super().compose_node(parent, index)
-        if node.end_mark is None:
-            problem = f"the alias *{event.anchor} stands within what it names"
-            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+        if isinstance(event, yaml.AliasEvent):
+            if not hasattr(node, "size"):
+                problem = f"the alias *{event.anchor} stands within what it names"
+                raise yaml.MarkedYAMLError(
+                    problem=problem, problem_mark=event.start_mark
+                )
+            return node
+        parts = node.value if isinstance(node.value, list) else []
         if isinstance(node, yaml.MappingNode):
             _check_keys(node)
+            parts = [part for pair in parts for part in pair]
+        node.size = 1 + sum(part.size for part in parts)
+        if node.size > MAX_VALUES:
+            problem = f"there are more than {MAX_VALUES} values"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
         return node
 
     def construct_tagged(self, tag: str, node: Any) -> dict[str, Any]:

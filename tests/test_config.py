@@ -12,6 +12,7 @@ from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.campaigns import load_campaign
 from atlas_drake.config import (
+    MAX_VALUES,
     Configuration,
     LeastGreatest,
     Positive,
@@ -65,6 +66,9 @@ def test_parts_for_aliases_and_tags_are_read_as_drake_reads_them():
     assert read_yaml("") is None
 
 
+LAUGHS = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]\n" for k in range(1, 12)
+)
 FAULTS = {
     "duration: 1\nname: x\nduration: 2\n": ("line 3", "duration", "twice"),
     "start:\n  {yaw: 1, yaw: 2}\n": ("line 2", "yaw", "twice"),
@@ -74,6 +78,7 @@ FAULTS = {
     "? [1, 2]\n: 3\n": ("line 1", "no text"),
     "a: 1\nb: &all\n  - {c: *all}\n": ("line 3", "*all", "within"),
     "a: &a {<<: *a}\n": ("line 1", "*a", "within"),
+    LAUGHS: (str(MAX_VALUES), "values"),
     "a: 1\nb: [\n": ("line 3",),
     "a: *none\n": ("line 1", "none"),
     "a: \x00": ("special characters",),

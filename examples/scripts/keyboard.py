@@ -25,7 +25,7 @@ from std_msgs.msg import String
 from tf.transformations import euler_from_quaternion, quaternion_from_euler
 
 KEYS = """
-  w  two steps ahead        s  stand
+  w  walk ahead             s  stand
   a  turn left              f  freeze
   d  turn right             q  quit
 """
