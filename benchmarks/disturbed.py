@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from atlas_drake import AtlasSimulation, Scenario, load_scenario
-from atlas_drake.robot import available_robots, models_at_hand
+from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario.physics import plant_config
 
 CAMPAIGNS = Path(__file__).parent / "campaigns"
@@ -62,9 +62,8 @@ def disturbed_simulation(
 
 
 def robots_at_hand() -> list[str]:
-    """Names of the package's robots whose files are available offline."""
-    names = available_robots()
-    return [name for name in names if name != "drake_atlas" or models_at_hand()]
+    """Names of the robots whose files come with the package."""
+    return sorted(path.stem for path in MODELS_FOLDER.glob("*.urdf"))
 
 
 def fresh_seed() -> int:

@@ -30,6 +30,7 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress
 from atlas_drake.behaviors.footsteps import is_elsewhere
+from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
@@ -69,7 +70,15 @@ def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
     path = options.scenario
     if path is None:
         return Scenario(name=name)
-    return load_scenario(path)
+    try:
+        return load_scenario(path)
+    except ScenarioError as error:
+        from atlas_drake.campaigns.reading import is_campaign
+
+        if error.field == "file" or not is_campaign(path):
+            raise
+        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
+        raise ScenarioError(error.field, error.value, problem) from None
 
 
 def run_scenario(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 import time
 from collections.abc import Callable, Iterable, MutableSequence, Sequence
 from contextlib import suppress
@@ -160,6 +161,7 @@ class AtlasSimulation:
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
         self.hooks: list[Hook] = []
+        self._thread: int | None = None  # Of the advance that goes on.
         self._note_begin()
         if view is True and self.meshcat is not None:
             await_viewer(self.meshcat)
@@ -209,7 +211,9 @@ class AtlasSimulation:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
             TypeError: If ``message`` is not a command.
+            RuntimeError: If another thread advances the simulation.
         """
+        self._check_thread()
         if not isinstance(message, (AtlasCommand, AtlasSimInterfaceCommand)):
             raise TypeError(
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
@@ -238,7 +242,9 @@ class AtlasSimulation:
 
         Raises:
             InvalidMessageError: If there is no such body or a value is not a number.
+            RuntimeError: If another thread advances the simulation.
         """
+        self._check_thread()
         source, context = self._run.part("push_source")
         source.push(context, body, force_W, duration)
         self._look()
@@ -263,7 +269,9 @@ class AtlasSimulation:
             InvalidMessageError: If ``t`` is in the past, or no time.
             SimulationError: If the physics could not be solved; what was recorded
                 until then is kept.
+            RuntimeError: If another thread advances the simulation.
         """
+        self._check_thread()
         end = as_float(t)
         if end is None or not math.isfinite(end) or end < self.time - 1e-9:
             raise InvalidMessageError(
@@ -272,7 +280,8 @@ class AtlasSimulation:
                 f"cannot advance to {shown(t)} s: it must be a time not before now, "
                 f"{self.time:.3f} s",
             )
-        begin = time.perf_counter()
+        begin, outer = time.perf_counter(), self._thread
+        self._thread = threading.get_ident()
         try:
             with steady_ticks():
                 while self.time < end - 1e-9:
@@ -281,7 +290,16 @@ class AtlasSimulation:
                         self._run.advance_to(min(end, self.time + CHUNK))
                         self._look()
         finally:
+            self._thread = outer
             self._wall_time += time.perf_counter() - begin
+
+    def _check_thread(self) -> None:
+        """Refuses what a Drake Context cannot bear: a second thread in an advance."""
+        if self._thread not in (None, threading.get_ident()):
+            raise RuntimeError(
+                "another thread advances this simulation: hand over what you want to "
+                "one of its hooks, which that thread calls"
+            )
 
     def _call_hooks(self) -> float:
         """Calls the hooks; returns how far they went back in time [s], <= 0."""

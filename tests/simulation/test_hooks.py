@@ -1,8 +1,16 @@
 """Hooks of a simulation: called between two chunks, they may command and go back."""
 
+import queue
+import threading
+
 import pytest
 
-from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+)
 from atlas_drake.simulation.atlas_simulation import CHUNK
 
 
@@ -73,3 +81,29 @@ def test_what_a_hook_raises_ends_the_advance_alone(sim):
     sim.hooks.clear()
     sim.advance(0.1)
     assert sim.time == pytest.approx(0.1)
+
+
+def test_another_thread_hands_over_to_a_hook(sim):
+    waiting, refused = queue.SimpleQueue(), []
+
+    def other():
+        for use in (lambda: sim.publish(AtlasCommand()), lambda: sim.advance(0.1)):
+            try:
+                use()
+            except RuntimeError as error:
+                refused.append("hooks" in str(error))
+        waiting.put(AtlasSimInterfaceCommand(behavior=Behavior.FREEZE))
+
+    def hand_over(sim):
+        if sim.time == 0.0:
+            thread = threading.Thread(target=other)
+            thread.start()
+            thread.join()
+            sim.publish(waiting.get())
+
+    sim.hooks.append(hand_over)
+    sim.advance(0.05)
+    assert refused == [True, True]
+    assert sim.current_behavior is Behavior.FREEZE
+    sim.hooks.clear()
+    sim.publish(AtlasCommand())  # Between two advances any thread may.
