@@ -64,14 +64,29 @@ def titled_figure(log: Log, height: float) -> Figure:
     return figure
 
 
+MARKED = {"fall": ALARM, "push": "#b26a00"}
+"""Colors of the lines at events of these kinds."""
+
+
 def over_time(axes: Any, log: Log) -> None:
-    """Gives a figure the time of the log, with a line at each fall."""
+    """Gives a figure the time of the log, with a named line at each push and fall."""
     # The last row is valid for one more period.
     axes.set_xlim(log.time[0], log.time[-1] + log.header.control_period)
     axes.set_xlabel("time [s]", labelpad=1)
     for event in log.events:
-        if event.kind == "fall":
-            axes.axvline(event.time, color=ALARM, lw=1.0, zorder=3, label="_fall")
+        if event.kind in MARKED:
+            color = MARKED[event.kind]
+            axes.axvline(event.time, color=color, lw=1.0, zorder=3, label="_event")
+            place = {"xy": (event.time, 1.0), "xytext": (2, -1), "va": "top"}
+            where = {"xycoords": ("data", "axes fraction"), "annotation_clip": True}
+            axes.annotate(
+                event.kind,
+                **place,
+                **where,
+                textcoords="offset points",
+                color=color,
+                fontsize=TINY,
+            )
 
 
 def draw_curve(

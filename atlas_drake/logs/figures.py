@@ -217,7 +217,7 @@ def _draw_qp(axes: Any, log: Log) -> None:
     solved = log["controller.solved"]
     unsolved, unknown = solved == 0, solved == NO_QP
     draw_spans(axes, log, ~unsolved & ~unknown, "#a5d6a7", "solved")
-    draw_spans(axes, log, unknown, "#cfd8dc", "no QP")
+    draw_spans(axes, log, unknown, "#cfd8dc", "no report")
     draw_spans(axes, log, unsolved, ALARM, "no solution")
 
 

@@ -31,7 +31,7 @@ def curves(axes, *, dashed=False):
     return [
         line
         for line in axes.lines
-        if (line.get_linestyle() == "--") == dashed and line.get_label() != "_fall"
+        if (line.get_linestyle() == "--") == dashed and line.get_label() != "_event"
     ]
 
 
@@ -100,7 +100,7 @@ def test_ticks_without_a_qp_are_not_shown_as_solved(log):
     solved[-5:] = 0
     axes = axes_of(draw_page(with_columns(log, controller__solved=solved)))
     names = [name for name, *_ in spans(axes["Whole-body QP"])]
-    assert names == ["no QP", "solved", "no solution"]
+    assert names == ["no report", "solved", "no solution"]
 
 
 def test_maps_show_shares_and_efforts(log, page):
@@ -141,7 +141,7 @@ def test_references_are_dashed_where_there_are_any(names, log):
 def test_a_fall_is_marked_in_every_figure_over_time(log):
     fall = LoggedEvent(0, Event(0.1, "fall", "falling"), True)
     for title, axes in axes_of(draw_page(replace(log, logged=[fall]))).items():
-        marks = [line for line in axes.lines if line.get_label() == "_fall"]
+        marks = [line for line in axes.lines if line.get_label() == "_event"]
         assert len(marks) == (title != "From above"), title
         assert all(mark.get_xdata()[0] == 0.1 for mark in marks)
 
@@ -164,8 +164,9 @@ def test_chosen_columns_are_drawn_one_figure_per_unit(log):
     patterns = ["balance.dcm", "*.velocity.l_leg_kny", "balance.com.z", "balance.dcm.x"]
     meters, speeds = draw_channels(log, patterns).axes
     names = ["balance.dcm.x", "balance.dcm.y", "balance.com.z"]
-    assert [line.get_label() for line in meters.lines] == names
-    for line in (*meters.lines, *speeds.lines):
+    curves = [line for line in meters.lines if line.get_label() != "_event"]
+    assert [line.get_label() for line in curves] == names
+    for line in (*curves, speeds.lines[-1]):
         np.testing.assert_array_equal(line.get_ydata(), log[line.get_label()])
     assert (meters.get_ylabel(), speeds.get_ylabel()) == ("[m]", "[rad/s]")
     with pytest.raises(LogError, match=r"'balance\.dcn'"):
