@@ -154,6 +154,8 @@ def _connect(builder: DiagramBuilder, source: OutputPort, port: Any) -> None:
 class _Reports(CollectableSystem):
     """Checks the reports of a user's controller; those that it lacks are blank."""
 
+    __slots__ = ()
+
     def __init__(self, catalog: BehaviorCatalog) -> None:
         super().__init__()
         self._catalog = catalog

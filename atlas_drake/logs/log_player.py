@@ -25,6 +25,8 @@ class LogPlayer(CollectableSystem):
         plant_state: State of robot and world.
     """
 
+    __slots__ = ()
+
     def __init__(self, log: Log, plant: MultibodyPlant):
         """Plays ``log``, with the display's plant of robot and world."""
         super().__init__()

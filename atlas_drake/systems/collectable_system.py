@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
@@ -28,17 +28,6 @@ from atlas_drake.frozen import NOTHING
 Compute = Callable[[Context], Any]
 """Computes the value of a port or cache entry; it depends on its prerequisites."""
 Tickets = set[DependencyTicket]
-
-
-class _SharedDict(type(LeafSystem)):  # type: ignore[misc]
-    """Lets subclasses use the ``__dict__`` of their base.
-
-    Python 3.11 counts references in a ``__dict__`` of the subclass's own twice.
-    """
-
-    def __new__(mcs, name: str, bases: Any, namespace: Any, **options: Any) -> Any:
-        namespace.setdefault("__slots__", ())
-        return super().__new__(mcs, name, bases, namespace, **options)
 
 
 class CachedValue:
@@ -71,13 +60,18 @@ class ValueState:
         state.get_mutable_abstract_state(self.index).set_value(value)
 
 
-class CollectableSystem(LeafSystem, metaclass=_SharedDict):
+class CollectableSystem(LeafSystem):
     """A LeafSystem that is freed, with its diagram, when it is no longer used.
 
     Drake holds the callbacks of output ports and cache entries, which refer to their
     system, where Python's garbage collector cannot see them. Here the system holds
-    them, and Drake calls them through a weak reference.
+    them, and Drake calls them through a weak reference. Give a subclass ``__slots__ =
+    ()``, so that it uses the ``__dict__`` of its base: Python 3.11 counts references in
+    one of its own twice.
     """
+
+    if not TYPE_CHECKING:  # mypy does not see the __dict__ of Drake's classes.
+        __slots__ = ()
 
     def DeclareVectorOutputPort(self, *args: Any, **kwargs: Any) -> OutputPort:
         """Declares the port, as Drake's method."""

@@ -42,6 +42,8 @@ class CommandInterface(CollectableSystem):
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

@@ -52,6 +52,8 @@ class CommandScheduler(CollectableSystem):
         sent: Number of sent entries of the schedule.
     """
 
+    __slots__ = ()
+
     def __init__(self, schedule: Sequence[ScheduledCommand], period: float):
         """Updates every ``period`` [s]."""
         super().__init__()

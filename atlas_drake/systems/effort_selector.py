@@ -25,6 +25,8 @@ class EffortSelector(CollectableSystem):
         actuation: The same efforts in the order of the plant's actuators.
     """
 
+    __slots__ = ()
+
     def __init__(self, robot: Robot, indices: PlantIndices):
         """Blends for a plant with the given indices."""
         super().__init__()

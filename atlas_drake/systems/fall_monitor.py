@@ -39,6 +39,8 @@ class FallMonitor(CollectableSystem):
         fall: ``Fall``; NOTHING until the robot falls.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

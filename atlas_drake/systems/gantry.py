@@ -49,6 +49,8 @@ class Gantry(CollectableSystem):
         gantry: ``GantryState``.
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, gains: GantryGains | None = None
     ):

@@ -31,6 +31,8 @@ _AT_START = np.array([_UNSET, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 class NoisySystem(CollectableSystem):
     """A system that adds noise, a parameter in its Context, to its measurements."""
 
+    __slots__ = ()
+
     def declare_noise(self, noise: SensorNoise) -> None:
         """Declares the parameter, with the noise of the default context."""
         self._noise_index = self.DeclareAbstractParameter(AbstractValue.Make(noise))
@@ -104,6 +106,8 @@ class InertialSensor(NoisySystem):
             force since the last tick [m/s], in the axes halfway. Rotation and integral
             are zero before the first tick.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,

@@ -73,6 +73,8 @@ class InterfaceReporter(CollectableSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
+    __slots__ = ()
+
     def __init__(self, robot: Robot):
         """Reports on ``robot``."""
         super().__init__()

@@ -80,6 +80,8 @@ class JointPidBank(CollectableSystem):
     efforts since the last control tick.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

@@ -159,6 +159,8 @@ class PushSource(CollectableSystem):
         pushes: ``PushState``.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

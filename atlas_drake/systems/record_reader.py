@@ -87,6 +87,8 @@ class RecordListener(CollectableSystem):
     belongs to whoever listens. Input ports are those of ``RecordInputs``.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         listen: Callable[[TickRecord], object],

@@ -51,6 +51,8 @@ class RobotSensors(NoisySystem):
         sensor_noise: ``SensorNoise`` in force, for measurements that are made later.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

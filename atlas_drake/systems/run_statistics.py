@@ -26,6 +26,8 @@ class RunStatistics(CollectableSystem):
             height [m] and the largest tilt [rad] of the pelvis, shape (n + 2,).
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, indices: PlantIndices, num_states: int, period: float
     ):
@@ -74,6 +76,8 @@ class EnergyMeter(CollectableSystem):
             shape (2,).
     """
 
+    __slots__ = ()
+
     def __init__(self, velocities: np.ndarray, num_states: int, period: float) -> None:
         """Adds up every ``period`` [s].
 
@@ -111,6 +115,8 @@ class EstimationError(CollectableSystem):
         largest_estimation_error: Largest errors of the run so far: distance [m], speed
             [m/s], tilt [rad] and yaw [rad], shape (4,).
     """
+
+    __slots__ = ()
 
     def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
         """Updates the largest errors every ``period`` [s]."""

@@ -51,6 +51,8 @@ class StateEstimator(CollectableSystem):
         estimated_state: Estimated state in plant order, with the measured joints.
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, period: float, tuning: OdometryTuning | None = None
     ):

@@ -88,6 +88,8 @@ class TickRecorder(CollectableSystem):
             the Context; the last one goes into the record.
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, period: float, estimated: bool
     ) -> None:

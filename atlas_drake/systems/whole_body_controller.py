@@ -71,6 +71,8 @@ class WholeBodyController(CollectableSystem):
             status would cost more.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,

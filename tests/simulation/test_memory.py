@@ -72,11 +72,16 @@ def test_every_system_of_this_package_can_be_freed():
         if kind.__module__.startswith("atlas_drake")
     ]
     assert ours == [CollectableSystem]
-    assert len(CollectableSystem.__subclasses__()) > 15
+    systems = CollectableSystem.__subclasses__()
+    assert len(systems) > 15
+    ours = [one for one in systems if one.__module__.startswith("atlas_drake")]
+    assert all("__slots__" in one.__dict__ for one in ours)
 
 
 def test_a_system_is_freed_with_the_callbacks_that_drake_holds():
     class Counter(CollectableSystem):
+        __slots__ = ()
+
         def __init__(self):
             super().__init__()
             self.itself = self
