@@ -201,9 +201,13 @@ def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
     robot, back = start(quiet), model.robot.limb("back")
     straight = model.robot.stand_prep[back]
     bent = robot.body.joints + bend * back
-    robot.body = dataclasses.replace(robot.body, joints=bent)
+    tilt = robot.body.pelvis_tilt + bend
+    robot.body = dataclasses.replace(robot.body, joints=bent, chest_tilt=tilt)
     step = BodyRates().joints * observe().dt
     robot.tick(observe(), quiet)
+    relative = robot.body.chest_tilt - robot.body.pelvis_tilt
+    tilt_step = BodyRates().tilt * observe().dt
+    np.testing.assert_allclose(relative, bend - np.sign(bend) * tilt_step, atol=1e-9)
     moved = robot.body.joints[back] - bent[back]
     np.testing.assert_allclose(moved, -np.sign(bend) * step)
     for _ in range(math.ceil(abs(bend) / step)):
