@@ -211,7 +211,7 @@ def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
     ``path`` is the value's place in its file for errors, such as ``terrain[0]``;
     ``base`` has the fields that a mapping leaves out, None stands for the defaults.
     """
-    plain = as_plain(_defaults(kind) if base is None else base)
+    plain = as_plain(defaults(kind) if base is None else base)
     try:
         made = _adapter(kind).validate_python(_overlaid(plain, as_plain(given)))
     except ValidationError as error:
@@ -225,7 +225,8 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(declared(kind))
 
 
-def _defaults(kind: Any) -> dict[str, Any] | None:
+def defaults(kind: Any) -> dict[str, Any] | None:
+    """Returns the defaults of a dataclass' fields; None for another type."""
     if not dataclasses.is_dataclass(kind):
         return None
     found = {}

@@ -59,15 +59,8 @@ def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
 
 def defaults(cls: type) -> dict[str, Any]:
     """The value with which each field of a dataclass begins."""
-    values = {}
-    for field in dataclasses.fields(cls):
-        if field.default is not dataclasses.MISSING:
-            values[field.name] = field.default
-        elif field.default_factory is not dataclasses.MISSING:
-            values[field.name] = field.default_factory()
-        else:
-            values[field.name] = dataclasses.MISSING
-    return values
+    needed = {field.name: dataclasses.MISSING for field in dataclasses.fields(cls)}
+    return needed | config.defaults(cls)
 
 
 def is_parameter_set(value: object) -> bool:

@@ -41,8 +41,6 @@ from atlas_drake.visualization.viewer import interactive, keep_serving
 
 RESULTS = Path("results")
 """Folder of all campaigns whose folder is not named."""
-SIZE = (960, 540)
-"""Of a video's pictures [pixel]."""
 
 
 def sweep(options: argparse.Namespace) -> int:
