@@ -35,7 +35,12 @@ LATEST_COUNTS = {"set_transform": ("path",), "set_property": ("path", "property"
 def add_routes(app: FastAPI, desk: Desk) -> None:
     """Adds ``/meshcat.js``, ``/cas-v1`` and the websocket ``/meshcat``."""
     kept: dict[str, Response] = {}
-    meshcat = httpx.AsyncClient(timeout=MESHCAT_PATIENCE, trust_env=False)
+    # Meshcat closes idle connections, at times the one that the next file would take.
+    meshcat = httpx.AsyncClient(
+        timeout=MESHCAT_PATIENCE,
+        trust_env=False,
+        limits=httpx.Limits(max_connections=6, max_keepalive_connections=0),
+    )
 
     async def fetch(path: str) -> Response:
         """Fetches a file of Meshcat's, whose name tells its content, once."""
