@@ -22,7 +22,7 @@ help: ## Show this list.
 
 setup: $(STAMP) ## Create the environment (every other target does so when needed).
 
-demo: $(STAMP) ## Run the demonstration in a browser (Meshcat).
+demo: $(STAMP) ## Run the demonstration in a browser.
 	@$(BIN)/atlas-drake demo $(ARGS)
 
 # Pytest ends with 5 if ARGS selects none of the tests of a part.

@@ -1,4 +1,4 @@
-"""The picture of the cockpit, and the film of the README: a drive through a world.
+"""The picture of the cockpit, a film of a drive, and the tutorial for the README.
 
 The page is used as people use it; time goes on by single steps, so that the film keeps
 real time however slow the pictures are.
@@ -10,7 +10,8 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,16 +37,20 @@ POINTER = """() => {
   }
 }"""
 """Shows where the mouse is, which a screenshot does not."""
-NEARER = 2
-"""Turns of the wheel towards the robot, from the world's own view."""
+COLORS = 192
+"""Of the animated picture."""
+TUTORIAL_END = 17.0
+"""Time at which the tutorial's last motion has ended [s]."""
+FARTHER = 5
+"""Turns of the wheel away from the robot, until the goal of its walk is seen."""
 DRAW_WHEN_ASKED = """() => {
-  const draw = viewer.render.bind(viewer);
-  window.draw = () => { draw(); return true; };
-  viewer.renderer.setPixelRatio(1);
-  cockpit.COARSE = 1;
-  viewer.render = () => {};
+  cockpit.draw = () => {};
+  cockpit.viewer.renderer.setPixelRatio(1);
+  window.drawNow = () => { cockpit.viewer.render(); return true; };
 }"""
 """Draws the view for each picture of the film alone, which is slow without a GPU."""
+DEMO_WIDTH = 720
+"""Of the animated picture in the README [pixel]."""
 
 
 class Film:
@@ -63,7 +68,7 @@ class Film:
 
     def take(self) -> None:
         """Takes a picture, and lets time go on until the next."""
-        self.page.evaluate("draw()")
+        self.page.evaluate("drawNow()")
         self.page.screenshot(path=self._picture)
         frame = av.VideoFrame.from_image(Image.open(self._picture).convert("RGB"))
         for packet in self._stream.encode(frame):
@@ -124,8 +129,9 @@ class Film:
 def drive(film: Film, picture: Path) -> None:
     """Walks through the first gate, takes the arms, and is pushed."""
     film.page.mouse.move(640, 300)
-    for _ in range(NEARER):
-        film.page.mouse.wheel(0, -100)
+    for _ in range(FARTHER):
+        film.page.mouse.wheel(0, 100)
+        film.page.wait_for_timeout(300)
     film.run(0.6)
     goal = film.place(1.7, 0.5, 1.0)
     film.glide(*goal)
@@ -148,30 +154,63 @@ def drive(film: Film, picture: Path) -> None:
     film.run(4.0)
 
 
+def watch(film: Film) -> None:
+    """Watches the tutorial to its end."""
+    film.run(18.0, until=lambda: film.time > TUTORIAL_END)
+
+
 def make_cockpit_pictures(browser: str, images: Path) -> None:
-    """Films a drive through ``qual_task_1``."""
+    """Films a drive through ``qual_task_1``, and the tutorial."""
+    drive_file, demo_file = images / "cockpit.mp4", images / "cockpit_demo.mp4"
+    with opened(browser, drive_file, "teleop", "--world", "qual_task_1") as film:
+        drive(film, images / "cockpit.png")
+    with opened(browser, demo_file, "demo", "--show", "owner,com,support") as film:
+        watch(film)
+    animate(demo_file, images / "cockpit.gif")
+    demo_file.unlink()
+    print(f"Wrote cockpit.mp4, cockpit.png and cockpit.gif in {images}.")
+
+
+@contextmanager
+def opened(browser: str, file: Path, *arguments: str) -> Iterator[Film]:
+    """Opens the page of a run that waits for its first single step, and films it."""
     from playwright.sync_api import sync_playwright
 
-    command = [sys.executable, "-m", "atlas_drake", "teleop", "--world", "qual_task_1"]
+    command = [sys.executable, "-m", "atlas_drake", *arguments, "--cockpit"]
+    if arguments[0] == "teleop":
+        command.remove("--cockpit")
     run = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert run.stdout is not None
-    url = re.search(r"http://\S+", run.stdout.readline())
-    assert url is not None
+    url = next(filter(None, (re.search(r"http://\S+", line) for line in run.stdout)))
     try:
         with sync_playwright() as driver:
             chromium = driver.chromium.launch(executable_path=browser, args=FLAGS)
             page = chromium.new_page(viewport=SIZE)
             page.goto(url[0])
-            page.wait_for_timeout(5000)
+            page.get_by_role("button", name="Single step").click()
+            page.get_by_text("Loading the robot").wait_for(state="hidden")
             page.evaluate(POINTER)
             page.evaluate(DRAW_WHEN_ASKED)
-            page.get_by_role("button", name="Single step").click()
-            page.wait_for_timeout(1000)
-            film = Film(page, images / "cockpit.mp4")
-            drive(film, images / "cockpit.png")
+            film = Film(page, file)
+            yield film
             film.close()
             chromium.close()
     finally:
         run.send_signal(signal.SIGINT)
         run.wait()
-    print(f"Wrote {images / 'cockpit.mp4'} and {images / 'cockpit.png'}.")
+
+
+def animate(film: Path, picture: Path) -> None:
+    """Makes an animated picture of a film."""
+    frames = []
+    with av.open(str(film)) as container:
+        for frame in container.decode(video=0):
+            image = frame.to_image()
+            height = round(image.height * DEMO_WIDTH / image.width)
+            frames.append(image.resize((DEMO_WIDTH, height)))
+    # One palette for all, in which the owners' colors have their place.
+    palette = frames[len(frames) // 2].quantize(COLORS)
+    plain = Image.Dither.NONE
+    first, *rest = (one.quantize(palette=palette, dither=plain) for one in frames)
+    period = 1000 // FRAMES_PER_SECOND
+    first.save(picture, save_all=True, append_images=rest, duration=period, loop=0)

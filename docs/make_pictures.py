@@ -14,10 +14,8 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
-import av
 from cockpit_pictures import make_cockpit_pictures
 from extending_pictures import make_extending_pictures
-from PIL import Image
 from worlds_pictures import make_worlds_pictures
 
 from atlas_drake import (
@@ -39,9 +37,6 @@ IMAGES = Path(__file__).parent / "images"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
 """Push of ``push.mp4`` [N·s], and its camera."""
-CLIP, CLIP_SIZE, CLIP_FPS, CLIP_COLORS = "demo.gif", (400, 400), 5, 128
-CLIP_TIMES = (1.0, 17.0)
-"""Part of the tutorial that moves in the README [s]: who has which joint."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -82,30 +77,6 @@ def photograph(browser: str, page: str, picture: Path) -> None:
     print(f"Wrote {picture} ({picture.stat().st_size / 1e3:.0f} kB).")
 
 
-def cut_clip(film: Path, clip: Path) -> None:
-    """Writes the part ``CLIP_TIMES`` of a film as an animated picture."""
-    begin, end = CLIP_TIMES
-    with av.open(str(film)) as container:
-        frames = [
-            frame.to_image()
-            for frame in container.decode(video=0)
-            if begin <= frame.time < end
-        ]
-    frames = frames[:: round(len(frames) / ((end - begin) * CLIP_FPS))]
-    # One palette of pictures from all over the film, with everybody's colors.
-    samples = frames[:: len(frames) // 8]
-    sheet = Image.new("RGB", (CLIP_SIZE[0] * len(samples), CLIP_SIZE[1]))
-    for index, sample in enumerate(samples):
-        sheet.paste(sample, (CLIP_SIZE[0] * index, 0))
-    palette = sheet.quantize(CLIP_COLORS)
-    first, *others = [
-        frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
-    ]
-    spacing = 1e3 / CLIP_FPS  # [ms]
-    first.save(clip, save_all=True, append_images=others, duration=spacing, loop=0)
-    print(f"Wrote {clip} ({clip.stat().st_size / 1e3:.0f} kB).")
-
-
 def main() -> None:
     """Makes all pictures, or those of one page."""
     parser = argparse.ArgumentParser(description="Make the pictures of the pages.")
@@ -134,9 +105,6 @@ def make_films() -> None:
         atlas_drake(["demo", "--headless", "--log", log])
         show = ["owner", "plan", "swing"]
         film(read_log(log), IMAGES / "demo.mp4", size=FILM_SIZE, show=show)
-        clip = Path(folder) / "clip.mp4"
-        film(read_log(log), clip, size=CLIP_SIZE, show=show)
-        cut_clip(clip, IMAGES / CLIP)
         log = f"{folder}/push.mcap"
         with AtlasSimulation(Scenario(pushes=[push]), log=log) as sim:
             sim.advance_to(8.0)

@@ -1,7 +1,7 @@
 """The cockpit: steer Atlas from a page in the browser, or by the same functions here.
 
 The command `atlas-drake teleop` opens the page with more options. With --headless a
-script uses the controls.
+script uses the pilot that the page has.
 """
 
 import argparse
@@ -10,9 +10,9 @@ import sys
 from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.app.interrupts import ctrl_c
 from atlas_drake.cockpit.cockpit import open_cockpit
-from atlas_drake.cockpit.operator import Operator
+from atlas_drake.simulation.pilot import pilot_of
 
-PIECE = 0.02  # between two looks at the controls [s]
+PIECE = 0.02  # between two looks at Ctrl+C [s]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no page, a script")
@@ -20,18 +20,17 @@ options = parser.parse_args()
 
 if options.headless:
     sim = AtlasSimulation()
-    operator = Operator(sim)
+    pilot = pilot_of(sim)
     script = {
-        0.5: lambda: operator.walk.steer(forward=1.0),
-        3.5: lambda: operator.walk.steer(forward=1.0, turn=1.0),
-        6.0: operator.walk.stop,
+        0.5: lambda: pilot.walk(forward=1.0),
+        3.5: lambda: pilot.walk(forward=1.0, turn=1.0),
+        6.0: pilot.stop,
     }
 
     def act(sim):
         """Steers at the times of the script; called every 20 ms."""
         for due in [time for time in script if time <= sim.time]:
             script.pop(due)()
-        operator.update(sim.time)
 
     sim.hooks.append(act)
     sim.advance_to(9.0)

@@ -26,6 +26,7 @@ from atlas_drake.app.outputs import (
     quiet_logs,
     realtime_rate,
     shown_of_log,
+    wants_cockpit,
 )
 from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.app.run import PIECE
@@ -105,15 +106,15 @@ def replay_log(options: argparse.Namespace) -> int:
             "--headless shows nothing: add --record FILE.html, or leave it out to watch"
         )
     check_outputs(options, ("record",))
-    if options.cockpit:
+    if options.cockpit and options.record is not None:
+        raise LogError("--record cannot be used with --cockpit")
+    if options.record is None and wants_cockpit(options):
         from atlas_drake.app.teleop import play_in_cockpit
 
-        if options.record is not None or options.headless:
-            raise LogError("--headless and --record cannot be used with --cockpit")
         beside = None if options.beside is None else _read(options.beside)
         return play_in_cockpit(_read(options.log), beside, options)
     if options.beside is not None:
-        raise LogError("--beside needs --cockpit, which shows two logs at a time")
+        raise LogError("--beside needs the cockpit, which shows two logs at a time")
     quiet_logs()
     log = _read(options.log)
     begin, end = float(log.time[0]), float(log.time[-1])

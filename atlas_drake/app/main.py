@@ -16,6 +16,7 @@ from typing import NoReturn
 from atlas_drake.app import exit_status
 from atlas_drake.app.options import (
     add_address_options,
+    add_cockpit_option,
     add_record_option,
     add_robot_options,
     add_run_options,
@@ -113,7 +114,7 @@ def _parser() -> _Parser:
         "damping that its own comment means",
     )
     add_run_options(demo)
-    demo.set_defaults(run="run.run_demo", reads=("parts",))
+    demo.set_defaults(run="run.run_demo", reads=("parts",), cockpit_is_usual=True)
 
     run = commands.add_parser(
         "run",
@@ -194,23 +195,18 @@ def _parser() -> _Parser:
     )
     watch = replay.add_argument_group("how you watch it")
     add_speed_options(watch, "no 3D view: for --record alone, as fast as possible")
-    watch.add_argument(
-        "--cockpit",
-        action="store_true",
-        help="show the log in the cockpit, with a slider over its time, plots of any "
-        "channel, and what the controller thought",
-    )
+    add_cockpit_option(watch)
     watch.add_argument(
         "--beside",
         metavar="LOG",
         type=Path,
-        help="with --cockpit: a second log, whose robot stands beside the first and "
+        help="in the cockpit: a second log, whose robot stands beside the first and "
         "whose plots are dashed",
     )
     add_address_options(watch)
     add_show_option(watch, "none")
     add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(reads=("log", "beside"))
+    replay.set_defaults(reads=("log", "beside"), cockpit_is_usual=True)
 
     film = on_log(
         "film",

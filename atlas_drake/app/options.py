@@ -74,12 +74,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     )
     view = parser.add_argument_group("how you watch it")
     add_speed_options(view, "no 3D view: as fast as possible, for scripts and servers")
-    view.add_argument(
-        "--cockpit",
-        action="store_true",
-        help="open the cockpit in the browser: the 3D view with every command, and "
-        'what the controller thinks; needs `pip install "atlas-drake[cockpit]"`',
-    )
+    add_cockpit_option(view)
     add_address_options(view)
     add_show_option(view, "none")
     keep = parser.add_argument_group("what you keep")
@@ -111,6 +106,18 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="WxH",
         help=f"of the film's pictures (default: {FILM_SIZE[0]}x{FILM_SIZE[1]})",
     )
+
+
+def add_cockpit_option(view: argparse._ArgumentGroup) -> None:
+    """Adds --cockpit and --no-cockpit; None where the user gives neither."""
+    view.add_argument(
+        "--cockpit",
+        action=argparse.BooleanOptionalAction,
+        help="the cockpit in the browser, with every command and what the controller "
+        "thinks, or Meshcat alone (default: the cockpit for `demo` and `replay` if "
+        '`pip install "atlas-drake[cockpit]"` was done, else Meshcat)',
+    )
+    view.set_defaults(cockpit_is_usual=False)
 
 
 def add_speed_options(view: argparse._ArgumentGroup, headless: str) -> None:

@@ -120,14 +120,26 @@ def check_writable(option: str, path: Path) -> None:
 def cockpit_asked_for(
     options: argparse.Namespace, overlays: Overlays
 ) -> Cockpit | None:
-    """Serves the cockpit, if it is asked for."""
-    if not options.cockpit:
+    """Serves the cockpit, if it is asked for, or where it is usual and installed."""
+    if not wants_cockpit(options):
         return None
-    if options.headless:
-        raise ScenarioError("--cockpit", True, "cannot be used with --headless")
     from atlas_drake.cockpit.cockpit import Cockpit
 
     return Cockpit(options.host, options.port, overlays)
+
+
+def wants_cockpit(options: argparse.Namespace) -> bool:
+    """Returns True if the cockpit is to be opened.
+
+    Raises ScenarioError if it is asked for together with --headless.
+    """
+    if options.cockpit and options.headless:
+        raise ScenarioError("--cockpit", True, "cannot be used with --headless")
+    if options.cockpit is not None or options.headless or not options.cockpit_is_usual:
+        return bool(options.cockpit)
+    from atlas_drake.cockpit.cockpit import is_installed
+
+    return is_installed()
 
 
 def open_view(

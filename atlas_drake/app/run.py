@@ -10,9 +10,11 @@ import json
 import math
 import sys
 import threading
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.film import film_run, log_for_film, with_logged_overlays
@@ -40,8 +42,13 @@ from atlas_drake.visualization.film_file import check_film
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
+if TYPE_CHECKING:
+    from atlas_drake.cockpit.cockpit import Cockpit
+
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
+CLOSED_FOR = 5.0
+"""Wall time without an open page after which nobody looks any more [s]."""
 AFTER_FALL = 2.0
 """Time after a fall at which the run ends [s]."""
 
@@ -136,6 +143,8 @@ def run_scenario(
             if stopped is not None:
                 summary["success"] = False
             progress.say(verdict(summary))
+            if cockpit is not None:
+                cockpit.say(verdict(summary))
             if options.json is not None:
                 text = json.dumps(_plain(summary), indent=2) + "\n"
                 kept &= keep_file(
@@ -150,9 +159,25 @@ def run_scenario(
         return exit_status.INTERRUPTED
     if not kept or filmed != exit_status.OK:
         return exit_status.OUTPUT_LOST
-    if not options.headless and interactive():
+    if cockpit is not None:
+        go_on_in_page(sim, cockpit, progress)
+    elif not options.headless and interactive():
         keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
+
+
+def go_on_in_page(sim: AtlasSimulation, cockpit: Cockpit, progress: Progress) -> None:
+    """Goes on while somebody has the page open, until Ctrl-C."""
+    if not cockpit.GetNumActiveConnections():
+        return
+    progress.say("The run goes on in the page until you close it, or press Ctrl-C.")
+    seen = time.monotonic()
+    with ctrl_c() as asked_to_stop, suppress(SimulationError):
+        cockpit.asked_to_stop = asked_to_stop.is_set
+        while not asked_to_stop.is_set() and time.monotonic() < seen + CLOSED_FOR:
+            sim.advance(PIECE)
+            if cockpit.GetNumActiveConnections():
+                seen = time.monotonic()
 
 
 def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:

@@ -23,8 +23,7 @@ from atlas_drake.app.run import (
     with_options,
 )
 from atlas_drake.cockpit.cockpit import Cockpit
-from atlas_drake.cockpit.log_playback import LogPlayback
-from atlas_drake.cockpit.log_state import card_of_log
+from atlas_drake.cockpit.log_page import LogPage
 from atlas_drake.diagrams.replay import make_replay, make_replay_beside
 from atlas_drake.errors import AtlasError
 from atlas_drake.logs import Log
@@ -122,7 +121,10 @@ def _steer(
 
 
 def play_in_cockpit(log: Log, beside: Log | None, options: argparse.Namespace) -> int:
-    """Shows a log, and one beside it, until Ctrl-C; returns the exit status."""
+    """Shows a log, and one beside it, until Ctrl-C; returns the exit status.
+
+    Where nobody is at the terminal and nobody opens the page, the log ends it.
+    """
     quiet_logs()
     progress = Progress(sys.stdout, math.inf)
     overlays = Overlays(shown_of_log(options.show, log, progress))
@@ -130,22 +132,27 @@ def play_in_cockpit(log: Log, beside: Log | None, options: argparse.Namespace) -
     diagrams = [make_replay(log, cockpit.meshcat, overlays)]
     if beside is not None:
         diagrams.append(make_replay_beside(beside, cockpit.meshcat, BESIDE_PATH))
-    playback = LogPlayback(log, diagrams, cockpit.meshcat, overlays, beside)
+    page = LogPage(log, diagrams, cockpit.meshcat, overlays, beside)
     # The begin of the playback has drawn everything anew.
     cockpit.meshcat.SetTransform(BESIDE_PATH, RigidTransform([0.0, ASIDE, 0.0]))
     if options.realtime_rate is not None:
-        playback.pace(options.realtime_rate)
-    cockpit.present(playback, playback, card_of_log(log, cockpit.meshcat.port()))
+        page.rate(options.realtime_rate)
+    cockpit.present(page)
     with ctrl_c() as asked_to_stop:
         _invite(cockpit, "Watch", progress)
+        waits = bool(options.cockpit) or interactive()
         before = time.perf_counter()
         while not asked_to_stop.wait(1.0 / FRAME_RATE):
             now = time.perf_counter()
-            if cockpit.GetNumActiveConnections():  # A log does not play to nobody.
-                playback.advance(now - before)
+            is_watched = cockpit.GetNumActiveConnections() > 0
+            if is_watched or not waits:  # Else a log does not play to nobody.
+                page.advance(now - before)
             cockpit.look()
             before = now
-    return exit_status.OK
+            if not (is_watched or waits) and page.is_over:
+                progress.say(f"Replayed at {page.time:.1f} s.")
+                return exit_status.OK
+    return exit_status.INTERRUPTED if not waits else exit_status.OK
 
 
 def _invite(cockpit: Cockpit, verb: str, progress: Progress) -> None:

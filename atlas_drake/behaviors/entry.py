@@ -187,3 +187,40 @@ def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, s
         elif answer is not BehaviorStatus.OK:
             return answer, ""
     return BehaviorStatus.OK, ""
+
+
+_NEEDS = {
+    BehaviorStatus.FAILED_TRANS_COM_POS: "the weight over the feet: FREEZE first, or "
+    "reset",
+    BehaviorStatus.FAILED_TRANS_COM_VEL: "a robot that does not sway: FREEZE first, or "
+    "wait",
+    BehaviorStatus.FAILED_TRANS_VEL: "joints at rest: FREEZE first, or wait",
+}
+"""What a behavior needs, and what to do, by the flag of its refusal."""
+
+
+def refusal_in_words(
+    why: BehaviorStatus,
+    target: BehaviorEntry,
+    source: BehaviorEntry,
+    entries: Iterable[BehaviorInterface],
+) -> str:
+    """Says why a behavior cannot follow another, and what to do.
+
+    Args:
+        why: The flag of the refusal.
+        target: The behavior that is asked for.
+        source: The active behavior.
+        entries: All behaviors.
+    """
+    if why in _NEEDS:
+        return f"{target.name} needs {_NEEDS[why]}"
+    before = [
+        one.name
+        for one in entries
+        if isinstance(one, BehaviorEntry)
+        and one is not target
+        and target.may_follow(one)
+    ]
+    names = " or ".join(before) or "no other behavior"
+    return f"{target.name} may follow {names}, not {source.name}"

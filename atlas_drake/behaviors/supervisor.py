@@ -20,6 +20,7 @@ from atlas_drake.behaviors.entry import (
     BehaviorTools,
     Transition,
     refusal,
+    refusal_in_words,
 )
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
@@ -40,7 +41,7 @@ from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 
 _Planned = TypeVar("_Planned", Plan, PlannedPaths)
 
@@ -88,10 +89,12 @@ class Supervisor:
         return SupervisorState(Starting(behavior), desired=behavior)
 
     def restart(self, state: SupervisorState, behavior: Behavior) -> SupervisorState:
-        """Returns the state of a new start that keeps the events so far."""
-        return replace(
-            self.start(behavior), events=state.events, event_count=state.event_count
-        )
+        """Returns the state of a new start that keeps the events so far.
+
+        It forgets the footsteps, on which the robot does not stand any more.
+        """
+        kept = tuple(event for event in state.events if event.kind != FOOTSTEP)
+        return replace(self.start(behavior), events=kept, event_count=state.event_count)
 
     def update(
         self,
@@ -245,8 +248,11 @@ class Supervisor:
             why = BehaviorStatus.FAILED_TRANS_COM_POS
             reason = f"{sign}; a reset puts the robot back on its feet"
         if why is not BehaviorStatus.OK:
-            hint = f" ({reason})" if reason else ""
-            text = f"{active.behavior.name} -> {target.name} refused: {why.name}{hint}"
+            words = reason or refusal_in_words(
+                why, entry, source, self._entries.values()
+            )
+            change = f"{active.behavior.name} -> {target.name}"
+            text = f"{change} refused: {words} ({why.name})"
             status = why | (last.status & BehaviorStatus.TRANSITION_IN_PROGRESS)
             state = replace(
                 state,

@@ -1,4 +1,4 @@
-"""Joins a simulation to its page: orders in, states out, and pauses in between."""
+"""Serves the page of a simulation: requests in, frames out, and pauses in between."""
 
 from __future__ import annotations
 
@@ -6,22 +6,24 @@ import importlib.util
 import subprocess
 import time
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.cockpit.card import card_of
+from atlas_drake.cockpit.calls import call
 from atlas_drake.cockpit.link import Link, start_process
-from atlas_drake.cockpit.next_run import NextRun
-from atlas_drake.cockpit.observe import Observer
-from atlas_drake.cockpit.operator import Operator
-from atlas_drake.cockpit.orders import ACKNOWLEDGED, Notice, Order, Reply
-from atlas_drake.cockpit.plan_marks import PlanMarks
-from atlas_drake.cockpit.recording_controls import RecordingControls
-from atlas_drake.cockpit.setting_list import settings_card
-from atlas_drake.cockpit.settings import SettingsCard
-from atlas_drake.cockpit.state import RunCard, RunState
+from atlas_drake.cockpit.recording import Recording
+from atlas_drake.cockpit.run_page import RunPage
+from atlas_drake.cockpit.scenario_requests import NextRun
+from atlas_drake.cockpit.wire import (
+    ACKNOWLEDGED,
+    Answer,
+    Frame,
+    Notice,
+    Request,
+    Run,
+)
 from atlas_drake.errors import AtlasError
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
@@ -29,31 +31,42 @@ from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import await_viewer, start_meshcat
 
 PERIOD = 0.1
-"""Wall time between two states [s]."""
+"""Wall time between two frames [s]."""
 PAUSED_LOOK = 0.03
-"""Wall time between looks at the orders while paused [s]."""
-MOST_ORDERS = 20
-"""Orders that are carried out at one look, so that a flood of them holds nothing up."""
+"""Wall time between looks at the requests while paused [s]."""
+REQUESTS_AT_ONCE = 20
+"""Requests that are met at one look, so that a flood of them holds nothing up."""
 SHOWN = ("com", "dcm", "cop", "support", "swing", "plan")
 """Overlays that are switched on at first."""
+START_PATIENCE = 30.0
+"""Longest time in which the page's process starts [s]."""
+END_PATIENCE = 10.0
+"""Longest time in which it ends once its line is closed [s]."""
+PACKAGES = ("aiohttp", "msgpack")
+"""What the extra ``cockpit`` installs."""
 
 
 class CockpitError(AtlasError):
     """The cockpit cannot be opened."""
 
 
-class Controls(Protocol):
-    """What carries the page's orders out."""
+class Shown(Protocol):
+    """What the page shows: a simulation or a log."""
 
-    def do(self, order: Order) -> Any:
-        """Carries an order out; returns what its control returns."""
+    @property
+    def requests(self) -> Mapping[str, Callable[..., Any]]:
+        """What the page may ask for, by name."""
+
+    def described(self) -> Run:
+        """Describes what stays the same."""
+
+    def frame(self) -> Frame:
+        """Shows the present, with the events since the last frame."""
 
 
-class States(Protocol):
-    """What reads the states that the page shows."""
-
-    def read(self, events_seen: int) -> RunState:
-        """Reads the present state, with the events after the first ones."""
+def is_installed() -> bool:
+    """Returns True if the optional packages are there."""
+    return all(importlib.util.find_spec(package) for package in PACKAGES)
 
 
 class Cockpit:
@@ -67,13 +80,9 @@ class Cockpit:
     Attributes:
         meshcat: The 3D view in the page.
         overlays: Switches of its overlays.
-        operator: The controls, once a simulation has joined.
-        recording: Records the 3D view.
         asked_to_stop: Tells whether a pause must end, because the program does.
         next_run: The scenario that is to follow, if the program lets one follow.
     """
-
-    operator: Operator
 
     def __init__(
         self,
@@ -92,12 +101,11 @@ class Cockpit:
             CockpitError: If the optional packages are missing, or the page cannot be
                 served.
         """
-        for package in ("nicegui", "msgpack"):
-            if importlib.util.find_spec(package) is None:
-                raise CockpitError(
-                    f"the cockpit needs {package}, which is not installed: "
-                    'pip install "atlas-drake[cockpit]"; Meshcat alone works without'
-                )
+        if not is_installed():
+            raise CockpitError(
+                f"the cockpit needs {' and '.join(PACKAGES)}: "
+                'pip install "atlas-drake[cockpit]"; Meshcat alone works without'
+            )
         self.overlays = overlays or Overlays(SHOWN)
         self.meshcat: Meshcat = start_meshcat(say=lambda _text: None)
         self._link, process = start_process(
@@ -108,16 +116,16 @@ class Cockpit:
         if not hello or not isinstance(hello[0], str):
             self.close()
             problem = hello[0].problem if hello else "its process has ended"
-            raise CockpitError(f"the cockpit cannot be served on {host}: {problem}")
+            text = f"--host: the cockpit cannot be served on {host}: {problem}"
+            raise CockpitError(text)
         self._url = hello[0]
         self.asked_to_stop: Callable[[], bool] = lambda: False
         self.next_run = NextRun()
-        self.recording = RecordingControls(self.meshcat)
+        self.recording = Recording(self.meshcat)
         self._joined: AtlasSimulation | None = None
         self._viewers = 0
         self._acknowledged = True
         self._sent_at = 0.0
-        self._events_seen = 0
 
     def web_url(self) -> str:
         """Returns the address of the page, with the token that allows to steer."""
@@ -126,7 +134,7 @@ class Cockpit:
     def GetNumActiveConnections(self) -> int:
         """Returns the number of open pages; named as Meshcat's."""
         if self._link.is_open:
-            self._carry_out_orders()
+            self._meet_requests()
         return self._viewers
 
     def join(self, sim: AtlasSimulation) -> None:
@@ -141,92 +149,90 @@ class Cockpit:
         sim.hooks.append(self.attend)
         if self.overlays.recorded:
             self.recording.why_not = "the whole run is recorded already"
-        self.operator = Operator(sim, self.overlays, self.next_run, self.recording)
-        self._plan_marks = PlanMarks(self.meshcat, sim.robot)
-        observer = Observer(sim, self.operator)
-        self._link.send(self._settings_of(sim))
-        self.present(self.operator, observer, card_of(sim, self.meshcat.port()))
+        self._page = RunPage(
+            sim, self.meshcat, self.overlays, self.next_run, self.recording
+        )
+        self._send_settings(sim)
+        self.present(self._page)
 
-    def present(self, controls: Controls, states: States, card: RunCard) -> None:
-        """Shows a run, or a log, from now on.
-
-        Args:
-            controls: Carries orders out.
-            states: Reads the states.
-            card: What stays the same.
-        """
-        self._controls, self._states = controls, states
-        self._events_seen = 0
-        self._link.send(card)
+    def present(self, shown: Shown) -> None:
+        """Shows a run, or a log, from now on."""
+        self._shown = shown
+        self._link.send(shown.described())
 
     def look(self) -> None:
-        """Carries out orders, and shows the state if it is time."""
-        self._carry_out_orders()
+        """Meets requests, and shows the present if it is time."""
+        self._meet_requests()
         self._show()
 
     def say(self, text: str, lasting: bool = False) -> None:
         """Tells every viewer something; the page goes on to show what is lasting."""
         self._link.send(Notice(text, lasting))
 
-    def _settings_of(self, sim: AtlasSimulation) -> SettingsCard:
-        self._scenario_shown = sim.scenario
-        return settings_card(sim.scenario, self.next_run.why_not)
-
     def attend(self, sim: AtlasSimulation) -> None:
-        """Carries out orders and shows the state; does not return while paused.
+        """Meets requests and shows the present; does not return while paused.
 
         A hook of the simulation.
         """
-        clock = self.operator.clock
+        clock = self._page.clock
+        self._page.watch()
         while True:
-            self._carry_out_orders()
+            self._meet_requests()
             if sim.scenario is not self._scenario_shown:
-                self._link.send(self._settings_of(sim))
-            self.operator.update(sim.time)
-            self._plan_marks.show(self.operator.walk)
+                self._send_settings(sim)
             if self._viewers:
                 clock.keep_snapshot()
             self._show()
             if not clock.paused or clock.takes_step() or self._must_go_on():
                 return
             if not self._link.is_open:
-                clock.go_on()  # Nobody can.
+                clock.paused = False  # Nobody can end the pause.
                 return
             time.sleep(PAUSED_LOOK)
-
-    def _must_go_on(self) -> bool:
-        return self.next_run.scenario is not None or self.asked_to_stop()
 
     def close(self) -> None:
         """Closes the page; the simulation may continue."""
         self._end()
 
-    def _carry_out_orders(self) -> None:
-        for message in self._link.take(MOST_ORDERS):
-            if isinstance(message, Order):
-                self._link.send(self._reply_to(message))
-                self._sent_at = 0.0  # Its effect is shown at once.
+    def _must_go_on(self) -> bool:
+        return self.next_run.scenario is not None or self.asked_to_stop()
+
+    def _send_settings(self, sim: AtlasSimulation) -> None:
+        self._scenario_shown = sim.scenario
+        self._link.send(self._page.settings())
+
+    def _meet_requests(self) -> None:
+        """Does what is asked; shows its effect, and then answers."""
+        answers = []
+        for message in self._link.take(REQUESTS_AT_ONCE):
+            if isinstance(message, Request):
+                answers.append(self._answer_to(message))
             elif message == ACKNOWLEDGED:
                 self._acknowledged = True
             else:
                 self._viewers = message
+        answers = [answer for answer in answers if answer.number]
+        if answers:
+            self._send_frame()
+        for answer in answers:
+            self._link.send(answer)
 
-    def _reply_to(self, order: Order) -> Reply:
+    def _answer_to(self, request: Request) -> Answer:
         try:
-            return Reply(order.number, self._controls.do(order))
+            value = call(self._shown.requests, request.name, request.values)
+            return Answer(request.number, value)
         except (AtlasError, ValueError) as error:
-            return Reply(order.number, problem=str(error))
+            return Answer(request.number, problem=str(error))
 
     def _show(self) -> None:
-        """Sends a state, unless nobody looks or the last one has not been taken."""
-        now = time.perf_counter()
-        due = now - self._sent_at >= PERIOD
-        if not (due and self._acknowledged and self._viewers and self._link.is_open):
-            return
-        state = self._states.read(self._events_seen)
-        self._events_seen = state.event_count
-        self._acknowledged, self._sent_at = False, now
-        self._link.send(state)
+        """Sends a frame, unless nobody looks or the last one has not been taken."""
+        due = time.perf_counter() - self._sent_at >= PERIOD
+        if due and self._acknowledged and self._viewers and self._link.is_open:
+            self._send_frame()
+
+    def _send_frame(self) -> None:
+        self._acknowledged, self._sent_at = False, time.perf_counter()
+        self._link.send(self._shown.frame())
 
 
 def open_cockpit(
@@ -255,12 +261,6 @@ def open_cockpit(
     await_viewer(cockpit)
     sim.set_realtime_rate(sim.realtime_rate or 1.0)
     return sim, cockpit
-
-
-START_PATIENCE = 30.0
-"""Longest time in which the page's process starts [s]."""
-END_PATIENCE = 10.0
-"""Longest time in which it ends once its line is closed [s]."""
 
 
 def _end(link: Link, process: subprocess.Popen[bytes]) -> None:

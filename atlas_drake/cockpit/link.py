@@ -13,15 +13,10 @@ from typing import Any
 class Link:
     """One end of the line; values are pickled, between two processes of one user."""
 
-    def __init__(self, connection: Connection) -> None:
-        """Takes over a connection."""
-        self._connection = connection
+    def __init__(self, descriptor: int) -> None:
+        """Takes over the end that a process was given."""
+        self._connection = Connection(descriptor)
         self.is_open = True
-
-    @staticmethod
-    def at(descriptor: int) -> Link:
-        """Opens the end that a process was given."""
-        return Link(Connection(descriptor))
 
     def send(self, value: Any) -> None:
         """Sends a value; does nothing once the other end is gone."""
@@ -42,11 +37,8 @@ class Link:
         return values
 
     def receive(self) -> Any:
-        """Waits for a value; raises EOFError once the other end is gone."""
-        try:
-            return self._connection.recv()
-        except OSError as error:
-            raise EOFError from error
+        """Waits for a value; raises EOFError or OSError once the other end is gone."""
+        return self._connection.recv()
 
     def close(self) -> None:
         """Closes this end."""
@@ -69,4 +61,4 @@ def start_process(module: str, *arguments: str) -> tuple[Link, subprocess.Popen[
         env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )
     theirs.close()
-    return Link.at(ours.detach()), process
+    return Link(ours.detach()), process

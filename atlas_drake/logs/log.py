@@ -19,9 +19,15 @@ from atlas_drake.config import read_yaml
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
 from atlas_drake.logs.topics import STRUCTURED, part_of_message
-from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, Message
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
 from atlas_drake.messages.controller_status import PlannedPaths
-from atlas_drake.messages.event import FOOTSTEP, MESSAGE, Event, first_falls
+from atlas_drake.messages.event import (
+    FOOTSTEP,
+    MESSAGE,
+    Event,
+    LoggedCommand,
+    first_falls,
+)
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
 from atlas_drake.records.plain import PARTS, numbers_in
@@ -32,14 +38,6 @@ from atlas_drake.systems.tick_recorder import landed_among
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-
-@dataclass(frozen=True)
-class LoggedCommand:
-    """An accepted command, and the time of its receipt [s]."""
-
-    time: float
-    message: Message
 
 
 @dataclass(frozen=True)
@@ -187,7 +185,11 @@ class Log:
             time=float(self.time[row]),
             request=self._requests.get(int(numbers["behavior.request_number"])),
             events=events,
-            landed=landed_among(event for at, event in self._landings if at <= row),
+            landed=landed_among(
+                event
+                for at, event in self._landings
+                if self._reset_before(row) <= at <= row
+            ),
             **groups,
             **parts,
         )
@@ -245,6 +247,15 @@ class Log:
         ]
 
     @cached_property
+    def _resets(self) -> list[int]:
+        return [one.row for one in self.logged if one.event.kind == "reset"]
+
+    def _reset_before(self, row: int) -> int:
+        """Returns the first record after the last reset, or 0."""
+        place = bisect_right(self._resets, row)
+        return self._resets[place - 1] if place else 0
+
+    @cached_property
     def _requests(self) -> dict[int, AtlasSimInterfaceCommand]:
         return {
             one.event.data["number"]: one.event.data["message"]
@@ -265,7 +276,7 @@ class Log:
     def commands(self) -> list[LoggedCommand]:
         """The commands as they were received, in order."""
         return [
-            LoggedCommand(one.event.time, one.event.data["message"])
+            LoggedCommand.of(one.event)
             for one in self.logged
             if one.event.kind == MESSAGE
         ]

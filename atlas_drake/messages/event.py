@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from atlas_drake.config import as_float
 from atlas_drake.errors import shown
+from atlas_drake.messages.base import Message
 from atlas_drake.messages.checks import check_type
 
 STEPS_LEFT = "steps left"
@@ -22,6 +23,9 @@ number. Records and logs hold it; ``sim.events`` does not."""
 REFUSAL = "refusal"
 """Kind of the event for a message that was refused; its data has its number, the kind
 of command, and the field at fault."""
+PUSH = "push"
+"""Kind of the event for a push that began; its data has the fields body, force_W and
+duration of a scenario's push."""
 FOOTSTEP = "footstep"
 """Kind of the event for a foot that landed."""
 FOOTSTEP_DATA = (
@@ -79,6 +83,19 @@ class Event:
 @dataclass(frozen=True)
 class RunEvent(Event):
     """An event outside the station, such as a reset, which is in no record."""
+
+
+@dataclass(frozen=True)
+class LoggedCommand:
+    """An accepted command, and the time of its receipt [s]."""
+
+    time: float
+    message: Message
+
+    @classmethod
+    def of(cls, event: Event) -> LoggedCommand:
+        """Return the command of an event of kind ``MESSAGE``."""
+        return cls(event.time, event.data["message"])
 
 
 def fell_last(events: Iterable[Event]) -> bool:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge
 
-from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive, Vector
 from atlas_drake.errors import ScenarioError
 
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
@@ -34,6 +34,8 @@ class PlannedPush(Configuration):
     frame: Literal["robot", "world"] = "robot"
     """What the direction is relative to: the heading of the pelvis when the push
     begins, or the world."""
+    force_W: Vector | None = None
+    """Force in W [N], in place of impulse, lift and direction; null for these."""
     body: str = ""
     """Name of the link that is pushed at its origin; empty for the chest."""
     duration: Positive = 0.1
@@ -60,6 +62,11 @@ class PlannedPush(Configuration):
             value = getattr(self, name)
             return ScenarioError.about(name, value, f"must be {wanted}")
 
+        if self.force_W is not None:
+            if self.impulse or self.lift or self.direction:
+                raise refuse("force_W", "without impulse, lift and direction")
+            if max(map(abs, self.force_W)) > LARGEST_FORCE:
+                raise refuse("force_W", f"at most {LARGEST_FORCE:g} N along each axis")
         if max(self.impulse, abs(self.lift)) / self.duration > LARGEST_FORCE:
             most = LARGEST_FORCE * self.duration
             raise refuse("impulse", f"at most {most:g} N·s in {self.duration:g} s")
@@ -72,6 +79,8 @@ class PlannedPush(Configuration):
         Args:
             heading: Of the robot's pelvis when the push begins [rad].
         """
+        if self.force_W is not None:
+            return list(self.force_W)
         angle = self.direction + (heading if self.frame == "robot" else 0.0)
         size, up = self.impulse / self.duration, self.lift / self.duration
         return [size * math.cos(angle), size * math.sin(angle), up]

@@ -42,7 +42,7 @@ from atlas_drake.messages import (
     accept,
 )
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.event import Event, RunEvent
+from atlas_drake.messages.event import Event, LoggedCommand, RunEvent
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.differences import built_in_difference
@@ -50,7 +50,7 @@ from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.run_diagram import RunDiagram
-from atlas_drake.simulation.run_log import RunLog, Snapshot
+from atlas_drake.simulation.run_log import Beginning, Done, RunLog, Snapshot
 from atlas_drake.simulation.start import start_of_reset
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
@@ -224,6 +224,7 @@ class AtlasSimulation:
         if refusal is not None:
             self._look()
             raise refusal.error
+        self._log.published(self.output("commands").received)
 
     def _receive(self, outcome: Accepted | Refusal) -> Refusal | None:
         """Hands over what the door said of a message; returns why it is refused."""
@@ -412,10 +413,19 @@ class AtlasSimulation:
         # Collect events that precede the reset.
         self._look()
         self._run.reset(begin, start, where)
+        self._log.begin(self._beginning(begin, None if pose is None else start))
         text = f"reset, {begin.name} begins"
         self._tell(self._log.note(RunEvent(self.time, "reset", text)))
         self.simulator.Initialize()
         self._look()
+
+    def _beginning(self, behavior: Behavior, start: Start | None) -> Beginning:
+        """Returns how a reset begins; a ``start`` of its own is exact."""
+        scenario = replace(self.scenario, initial_behavior=behavior.name)
+        if start is not None:
+            jitter = replace(scenario.jitter, position=0.0, orientation=0.0)
+            scenario = replace(scenario, start=start, jitter=jitter)
+        return Beginning(self.time, scenario)
 
     def restart(self, scenario: Scenario) -> None:
         """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
@@ -490,6 +500,13 @@ class AtlasSimulation:
         if self.meshcat is not None:
             self.diagram.ForcedPublish(self.context)
 
+    def drop_schedule(self) -> None:
+        """Sends nothing more of the scenario's schedule and messages."""
+        self._check_thread()
+        self._look()
+        self._run.drop_schedule()
+        self._tell(self._log.drop_schedule())
+
     def release(self) -> None:
         """Lets a robot on the gantry down to the ground, and then go.
 
@@ -560,6 +577,28 @@ class AtlasSimulation:
     def events(self) -> list[Event]:
         """All events so far."""
         return self._log.events
+
+    @property
+    def commands(self) -> list[LoggedCommand]:
+        """The accepted commands of the run, in order: also those of a schedule."""
+        self._look()
+        return self._log.commands
+
+    @property
+    def beginning(self) -> Beginning:
+        """How the robot began, at the start of the run or at its last reset."""
+        return self._log.beginning
+
+    def done(self) -> list[Done]:
+        """Returns the accepted messages and the pushes since the last reset, in order.
+
+        ``simulation.done`` makes a scenario of them.
+
+        Raises:
+            ScenarioError: If they are too many to be kept.
+        """
+        self._look()
+        return self._log.done()
 
     @property
     def footsteps(self) -> list[dict[str, Any]]:

@@ -220,6 +220,12 @@ class RunDiagram:
         self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         self.pace.forget_all()
 
+    def drop_schedule(self) -> None:
+        """Lets the rest of the schedule count as sent."""
+        if self.schedule:
+            scheduler: Any = self.diagram.GetSubsystemByName("scheduler")
+            scheduler.drop_rest(scheduler.GetMyMutableContextFromRoot(self.context))
+
     def check_reset(self, scenario: Scenario, start: Start, pose: Pose) -> None:
         """Checks that a run of ``scenario`` could be reset to this pose."""
         variation = draw_variation(scenario, self.robot)

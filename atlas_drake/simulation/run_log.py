@@ -1,23 +1,27 @@
-"""The events of a run, and its snapshots.
+"""The events of a run, what was done in it, and its snapshots.
 
-Events are read from the station from time to time; ``summary`` evaluates them.
+Events are read from the station from time to time; ``summary`` evaluates them, and
+``done`` makes a scenario of what was done.
 """
 
 from __future__ import annotations
 
 import copy
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pydrake.systems.framework import Context
 
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import (
     FOOTSTEP,
     MESSAGE,
+    PUSH,
     Event,
+    LoggedCommand,
     RunEvent,
     fell_last,
     first_falls,
@@ -27,14 +31,55 @@ from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.start import Variation
 from atlas_drake.systems.tick_events import NO_MARKS
 
+KEPT = 20_000
+"""Number of messages and pushes that are kept: an hour of a walk by hand, and at most
+200 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """How the robot began, at the start of the run or at its last reset.
+
+    Attributes:
+        time: When it began [s].
+        scenario: The scenario of a run that begins so.
+    """
+
+    time: float
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class Done:
+    """A message that was accepted, or a push that began.
+
+    Attributes:
+        event: Its event, of kind ``MESSAGE`` or ``PUSH``.
+        is_published: True for a message from outside the diagram. At the instant of a
+            control tick, that tick hears it already, unlike a message on a port.
+    """
+
+    event: Event
+    is_published: bool
+
 
 class RunLog:
-    """The events of one run but the messages received, in order within each read."""
+    """The events of one run, in order within each read, and apart what was done.
+
+    Messages that were accepted are not among the events.
+
+    Attributes:
+        beginning: How the robot began.
+    """
 
     def __init__(self, run: RunDiagram):
         """Starts without events."""
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
+        self.beginning = Beginning(0.0, run.scenario)
+        self._done: deque[Done] = deque(maxlen=KEPT)
+        self._done_since = 0  # Number of those since the beginning.
+        self._published: frozenset[int] = frozenset()  # Messages since the last look.
         self._run, self._sent = run, 0
         self._marks: Sequence[float] = NO_MARKS
         self._fault: AtlasError | None = None
@@ -43,7 +88,38 @@ class RunLog:
         """Returns a log that goes on by itself."""
         log = copy.copy(self)
         log.events, log.footsteps = list(self.events), list(self.footsteps)
+        log._done = self._done.copy()
         return log
+
+    @property
+    def commands(self) -> list[LoggedCommand]:
+        """The accepted commands of the run, in order; the last ``KEPT`` at most."""
+        events = (one.event for one in self._done)
+        return [LoggedCommand.of(event) for event in events if event.kind == MESSAGE]
+
+    def done(self) -> list[Done]:
+        """Returns what was done since the beginning, in order.
+
+        Raises:
+            ScenarioError: If it is more than ``KEPT``.
+        """
+        count = self._done_since
+        if count > KEPT:
+            problem = f"are more than {KEPT} since the last reset; the last are kept"
+            raise ScenarioError("messages", count, problem)
+        return list(self._done)[len(self._done) - count :]
+
+    def begin(self, beginning: Beginning) -> None:
+        """Notes that the robot begins anew."""
+        self.beginning, self._done_since = beginning, 0
+
+    def published(self, number: int) -> None:
+        """Notes that a message came from outside the diagram.
+
+        Args:
+            number: Its number among all received.
+        """
+        self._published |= {number}
 
     def look(self) -> list[Event]:
         """Adds and returns all events since the last look."""
@@ -56,6 +132,7 @@ class RunLog:
         self._sent = sent
         recorder, context = run.part("tick_recorder")
         events, self._marks = recorder.events_since(context, self._marks)
+        self._note_done(events)
         fresh += (event for event in events if event.kind != MESSAGE)
         fresh.sort(key=lambda event: event.time)
         if run.writer is not None and run.writer.fault is not self._fault:
@@ -63,6 +140,22 @@ class RunLog:
             text = f"{self._fault}; the run continues without it"
             fresh.append(RunEvent(run.context.get_time(), "warning", text))
         return self.note(*fresh)
+
+    def drop_schedule(self) -> list[Event]:
+        """Counts the schedule as told, and notes that the rest is dropped."""
+        left = len(self._run.schedule) - self._sent
+        self._sent += left
+        text = f"the rest of the schedule is dropped, {left} commands"
+        now = self._run.context.get_time()
+        return self.note(RunEvent(now, "schedule", text)) if left else []
+
+    def _note_done(self, events: Sequence[Event]) -> None:
+        for event in events:
+            if event.kind in (MESSAGE, PUSH):
+                published = event.data.get("number") in self._published
+                self._done.append(Done(event, published))
+                self._done_since += 1
+        self._published = frozenset()
 
     def note(self, *events: Event) -> list[Event]:
         """Adds events, and returns those that were kept."""

@@ -6,6 +6,8 @@ them.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
 from pydrake.math import RigidTransform
@@ -57,6 +59,44 @@ NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TA
 """Joints that a robot must have for the tutorial, by name or alias. Other joints of the
 arms may differ; they get the robot's own gains."""
 
+
+class TutorialStep(NamedTuple):
+    """A step of the tutorial, for people who watch it."""
+
+    begin: float  # Time of its first command [s].
+    title: str
+    text: str
+
+
+STEPS = (
+    TutorialStep(
+        FIRST_COMMAND,
+        "Stand prep",
+        "You have every joint; your joint controllers go to the pose from which the "
+        "robot can stand.",
+    ),
+    TutorialStep(
+        FIRST_COMMAND + 2.0,
+        "Stand",
+        "The behavior warms up beside you, then gets every joint and balances.",
+    ),
+    TutorialStep(
+        FIRST_COMMAND + 5.0,
+        "Arms and neck",
+        "You take neck and arms and move them; the behavior stands with the rest.",
+    ),
+    TutorialStep(
+        FIRST_COMMAND + 7.0,
+        "Walk",
+        "The behavior takes four steps while neck and arms stay yours.",
+    ),
+    TutorialStep(
+        FIRST_COMMAND + 13.0,
+        "Home",
+        "You have every joint again; all go to zero, on the legs alone.",
+    ),
+)
+"""The steps of the tutorial, in order."""
 NUM_STEPS = 4
 STEP_LENGTH = 0.25
 """Length of each step [m]."""

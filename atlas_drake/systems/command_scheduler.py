@@ -72,6 +72,10 @@ class CommandScheduler(CollectableSystem):
         }
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
+    def drop_rest(self, context: Context) -> None:
+        """Lets the rest of the schedule count as sent."""
+        self._last["sent"].set(context, len(self.schedule))
+
     def _update(self, context: Context, state: State) -> None:
         sent: int = self._last["sent"].get(context)
         # A small tolerance: times are sums of rounded periods.

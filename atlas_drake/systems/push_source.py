@@ -22,7 +22,7 @@ from atlas_drake.errors import InvalidMessageError, ScenarioError, did_you_mean,
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
-from atlas_drake.messages.event import append_recent
+from atlas_drake.messages.event import PUSH, Event, append_recent
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.pushes import (
     LARGEST_FORCE,
@@ -86,10 +86,13 @@ class Push(Frozen):
         """End of the push [s]."""
         return self.time + self.duration
 
-    def text(self) -> str:
-        """Describes the push for the user."""
-        force = np.round(self.force_W, 1).tolist()
-        return f"push of {force} N on {self.body} for {self.duration:g} s"
+    def event(self) -> Event:
+        """Returns the event of its beginning."""
+        force = self.force_W.tolist()
+        rounded = np.round(self.force_W, 1).tolist()
+        text = f"push of {rounded} N on {self.body} for {self.duration:g} s"
+        data = {"body": self.body, "force_W": force, "duration": self.duration}
+        return Event(self.time, PUSH, text, data)
 
     def mean_force(self, start: float, stop: float) -> np.ndarray:
         """Computes the mean force over a period [N], shape (3,)."""

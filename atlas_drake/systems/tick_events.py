@@ -62,7 +62,7 @@ def events_between(
     seen = before[0] if after[0] >= before[0] else 0
     events += _between(status.events, status.event_count, seen, after[0])
     events += (
-        Event(push.time, "push", push.text())
+        push.event()
         for push in _between(pushes.recent, pushes.begun, before[2], after[2])
     )
     if after[3] not in (_NEVER, before[3]) and fall is not NOTHING:

@@ -111,7 +111,7 @@ assert "pydrake" not in sys.modules
         (["demo", "--seed", "-1"], ["seed"]),
         (["demo", "--set", "controller.gains.dcm_gian=2"], ["Did you mean 'dcm_gain'"]),
         (["teleop", "--set", "controller.gains.dcm_gian=2"], ["mean 'dcm_gain'"]),
-        (["demo", "--host", "a..b"], ["--host: cannot listen on"]),
+        (["demo", "--host", "a..b"], ["cannot be served on a..b"]),
         # Addresses set aside for documentation belong to nobody.
         (["demo", "--host", "192.0.2.1"], ["--host", "192.0.2.1"]),
     ],

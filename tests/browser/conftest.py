@@ -13,9 +13,18 @@ import numpy as np
 import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+# Without a GPU the 3D view alone is drawn as by one, which takes long.
+FLAGS = (
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",
+)
 SIZE = {"width": 800, "height": 600}
 """Of the window [pixel]."""
+SMALL_LAPTOP = {"width": 1280, "height": 720}
+SCREEN = {"width": 1920, "height": 1080}
+PHONE = {"width": 390, "height": 844}
 FAST = ("--physics-step", "0.003")
 """Leaves more of the computer to the browser."""
 PATIENCE = 60.0
@@ -27,7 +36,7 @@ def wait_for(condition, what):
     give_up = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < give_up, f"waited {PATIENCE:g} s for {what}"
-        time.sleep(0.05)
+        time.sleep(0.02)
 
 
 class Run:
@@ -47,11 +56,168 @@ class Run:
     def printed(self):
         return self._printed.read_text()
 
-    def end(self):
+    def end(self, status=0):
         """Ends it by Ctrl-C."""
         self._process.send_signal(signal.SIGINT)
-        assert self._process.wait(PATIENCE) == 0
+        assert self._process.wait(PATIENCE) == status
         assert "Traceback" not in self.printed
+
+
+class CockpitPage:
+    """A page of the cockpit, and what it says."""
+
+    def __init__(self, browser, url, before=lambda _page: None):
+        """Opens the page, after a function has prepared the browser's."""
+        self.errors, self.asked, self.url = [], [], url
+        self.page = browser.new_page(viewport=SMALL_LAPTOP)
+        self.page.set_default_timeout(1e3 * PATIENCE)
+        self.page.on("pageerror", lambda error: self.errors.append(error))  # noqa: PLW0108
+        self.page.on("dialog", lambda dialog: self.errors.append(dialog.message))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.add_init_script(DRAW_WHEN_ASKED)
+        before(self.page)
+        self.open()
+
+    def open(self):
+        self.page.goto(self.url)
+        self.awaits_run()
+
+    def awaits_run(self):
+        """Waits for the first frame, and for the script of the 3D view."""
+        self.until("window.cockpit?.page.frame && cockpit.viewer")
+
+    def close(self):
+        """Leaves the cockpit, as by closing the browser's tab."""
+        self.page.goto("about:blank")
+
+    def begin(self):
+        """Puts page and robot to where every test begins, as fast as can be."""
+        if self.page.url == "about:blank":
+            self.open()
+        self.page.evaluate(BEGIN)
+        self.page.set_viewport_size(SMALL_LAPTOP)
+        self.page.mouse.move(1, 1)
+        wait_for(lambda: self.mode == "STAND", "STAND")
+        self.errors.clear()
+
+    def rest(self):
+        """Lets time stand still, for the sake of the tests to come."""
+        self.page.evaluate(REST)
+
+    def draw(self, live):
+        """Draws as time goes on, or no more, which is quick without a GPU."""
+        self.page.evaluate(
+            f"cockpit.draw = {'cockpit.drawLive' if live else '() => {}'}; 0"
+        )
+
+    def until(self, expression):
+        """Waits for something to be true; ``wait_for_function`` needs eval."""
+        wait_for(lambda: self.page.evaluate(f"Boolean({expression})"), expression)
+
+    def ask(self, what, **values):
+        """Asks the run for something, past the page's elements; returns the answer."""
+        call = "([what, values]) => cockpit.page.do(what, values, { quiet: true })"
+        return self.page.evaluate(call, [what, values])
+
+    def frame(self, expression=""):
+        """The latest frame, or a part of it."""
+        return self.page.evaluate(f"cockpit.page.frame{expression}")
+
+    def box(self, selector):
+        """Left, top, right and bottom of what a selector finds first [pixel]."""
+        return self.page.evaluate(BOX, selector)
+
+    def button(self, name):
+        return self.page.get_by_role("button", name=name, exact=True).first
+
+    def press(self, name):
+        self.button(name).click()
+
+    def key(self, key):
+        self.page.keyboard.press(key)
+
+    def tab(self, name):
+        self.page.get_by_role("tab", name=name).click()
+
+    def labelled(self, label):
+        return self.page.get_by_label(label, exact=True).first
+
+    def says(self, label):
+        return self.labelled(label).inner_text()
+
+    @property
+    def mode(self):
+        return self.says("Mode")
+
+    @property
+    def time(self):
+        return float(self.says("Time").split()[0])
+
+    @property
+    def paused(self):
+        return self.says("Speed").startswith("paused")
+
+    def becomes(self, mode):
+        wait_for(lambda: self.mode == mode, f"{mode}; it is {self.mode}")
+
+    def tells(self, text):
+        """Waits for a notice."""
+        notices = self.page.locator("#notices")
+        notices.filter(has_text=text).wait_for()
+
+    def goes_on(self):
+        before = self.time
+        wait_for(lambda: self.time > before + 0.5, "the run to go on")
+
+    def events(self):
+        return self.labelled("Events").inner_text()
+
+    def at_W(self, *point):
+        """Where a point of the world is on the page [pixel]."""
+        return tuple(self.page.evaluate(ON_PAGE, point))
+
+    def see(self, script, *arguments):
+        """Returns what a script of ``looks`` finds."""
+        return self.page.evaluate(script, *arguments)
+
+
+DRAW_WHEN_ASKED = """
+  let scene;
+  Object.defineProperty(window, "cockpit", { get: () => scene, set: (made) => {
+    scene = made;
+    if (scene.draw) { scene.drawLive = scene.draw; scene.draw = () => {}; }
+  } });
+"""
+BOX = """(selector) => {
+  const { left, top, right, bottom } =
+    document.querySelector(selector).getBoundingClientRect();
+  return [left, top, right, bottom];
+}"""
+REST = """async () => {
+  const { page } = cockpit;
+  if (!page.hasControl()) await page.do("take_control", {}, { quiet: true });
+  await page.do("pause", { on: true }, { quiet: true });
+}"""
+BEGIN = """async () => {
+  const { page } = cockpit;
+  const order = (name, values) => page.do(name, values, { quiet: true });
+  document.querySelectorAll(".menu:popover-open").forEach((one) => one.hidePopover());
+  document.getElementById("notices").replaceChildren();
+  document.activeElement?.blur();
+  page.openTab("Joints");
+  document.querySelector(".limb[aria-label=r_arm]").dispatchEvent(
+    new MouseEvent("click", { shiftKey: true })); // Chooses it alone.
+  if (!page.hasControl()) await order("take_control");
+  await order("rate", { rate: 0 });
+  await order("pause", { on: false });
+  await order("reset");
+}"""
+ON_PAGE = """(point) => {
+  viewer.controls.update();
+  viewer.scene.updateMatrixWorld(true);
+  viewer.camera.updateMatrixWorld(true);
+  return cockpit.onPage(...point);
+}"""
 
 
 def drag(page, *points):
@@ -76,7 +242,7 @@ def picture(page):
     return np.array(Image.open(data).convert("RGB")).astype(int)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
     playwright = pytest.importorskip(
         "playwright.sync_api", reason="playwright is not installed"
@@ -89,6 +255,46 @@ def browser():
         browser = driver.chromium.launch(executable_path=program, args=FLAGS)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="package")
+def teleop(tmp_path_factory):
+    """A run of ``atlas-drake teleop``, which stands still between the tests."""
+    pytest.importorskip("aiohttp", reason="the cockpit is not installed")
+    run = Run(tmp_path_factory.mktemp("teleop"), "teleop", *FAST, "--port", "8180")
+    yield run
+    run.end()
+
+
+@pytest.fixture(scope="package")
+def steering(teleop, browser):
+    page = CockpitPage(browser, teleop.url)
+    yield page
+    page.page.close()
+
+
+@pytest.fixture
+def page(steering):
+    """The page that steers, its robot as at the beginning."""
+    steering.begin()
+    yield steering
+    steering.rest()
+    assert not steering.errors
+
+
+@pytest.fixture(scope="package")
+def second_page(teleop, browser):
+    page = CockpitPage(browser, teleop.url)
+    yield page
+    page.page.close()
+
+
+@pytest.fixture
+def watching(page, second_page):
+    """A second page, which does not steer and does not ask to."""
+    second_page.ask("release_control")
+    yield second_page
+    assert not second_page.errors
 
 
 @pytest.fixture

@@ -1,50 +1,51 @@
-"""An operator over a simulation, without a page."""
+"""A simulation, and what the page asks of it, without a page."""
 
+import orjson
 import pytest
+from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.cockpit.operator import Operator
-from atlas_drake.cockpit.orders import Order
-from atlas_drake.messages import AtlasSimInterfaceState, Behavior
+from atlas_drake.cockpit.calls import call
+from atlas_drake.cockpit.recording import Recording
+from atlas_drake.cockpit.run_page import RunPage
+from atlas_drake.cockpit.scenario_requests import NextRun
+from atlas_drake.visualization.overlays import Overlays
 
-LOOK = 0.02
-"""Simulated time between two looks at the controls [s]."""
+
+class Asked:
+    """A page without a browser."""
+
+    def __init__(self, page, sim=None):
+        self.page, self.sim = page, sim
+
+    def do(self, request, **values):
+        """Asks for something as the line does."""
+        return call(self.page.requests, request, values)
+
+    def shown(self):
+        """What a browser gets of a frame."""
+        return orjson.loads(self.page.frame().page)
 
 
-class Driven:
-    """A simulated robot, and who drives it."""
-
-    def __init__(self, sim):
-        self.sim, self.operator = sim, Operator(sim)
-
-    def do(self, control, **values):
-        return self.operator.do(Order(control, values))
-
-    def go(self, seconds):
-        end = self.sim.time + seconds - 1e-6
-        while self.sim.time < end:
-            self.operator.update(self.sim.time)
-            self.sim.advance(LOOK)
+@pytest.fixture(scope="session")
+def meshcat():
+    return Meshcat()
 
 
 @pytest.fixture(scope="module")
-def shared_sim():
-    return AtlasSimulation()
+def shared_sim(meshcat):
+    return AtlasSimulation(view=meshcat)
 
 
 @pytest.fixture
-def driven(shared_sim):
+def next_run():
+    return NextRun()
+
+
+@pytest.fixture
+def run(shared_sim, meshcat, next_run):
     shared_sim.reset(seed=0)
-    return Driven(shared_sim)
-
-
-@pytest.fixture
-def standing():
-    """A report of a robot that stands at the origin and looks along x."""
-    report = AtlasSimInterfaceState()
-    report.current_behavior = report.desired_behavior = Behavior.STAND
-    report.k_effort = [0] * 28
-    report.pos_est.position.z = 0.89
-    for pose, y in zip(report.foot_pos_est, (0.12, -0.12), strict=True):
-        pose.position.y = y
-    return report
+    overlays, recording = Overlays(), Recording(meshcat)
+    return Asked(
+        RunPage(shared_sim, meshcat, overlays, next_run, recording), shared_sim
+    )

@@ -14,12 +14,12 @@ from atlas_drake import (
     steps_ahead,
 )
 from atlas_drake.app.main import main
-from atlas_drake.cockpit.card import card_of
-from atlas_drake.cockpit.operator import Operator
+from atlas_drake.cockpit.describe import describe_run
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import LogError, read_log
 from atlas_drake.messages import BehaviorStatus
+from atlas_drake.simulation.pilot import pilot_of
 
 from .conftest import HERON
 
@@ -98,29 +98,24 @@ def test_a_log_knows_where_its_robot_is(copied, tmp_path):
 
 def test_the_cockpit_fits_the_robot(heron):
     sim = simulate()
-    card = card_of(sim, 7000)
-    assert card.gait["stride"].usual == 0.14
-    height = card.pelvis["pelvis_height"]
-    assert (height.low, height.high) == (0.45, 0.68)
-    assert card.pushed[:2] == ("trunk", "hips")
-    assert {joint.name for joint in card.joints} == set(heron.joint_names)
-    for one in card.gait.values():
-        assert one.low <= one.usual <= one.high
+    described = describe_run(sim)
+    assert described["gait"]["stride"]["usual"] == 0.14
+    height = described["pelvis"]["pelvis_height"]
+    assert (height["low"], height["high"]) == (0.45, 0.68)
+    assert described["pushed"][:2] == ["trunk", "hips"]
+    assert {one["name"] for one in described["joints"]} == set(heron.joint_names)
+    for one in (*described["gait"].values(), height):
+        assert one["low"] <= one["usual"] <= one["high"]
 
 
 def test_steering_commands_the_robot(heron):
     sim = simulate()
-    operator = Operator(sim)
-
-    def act(control, *values, **named):
-        control(*values, **named)
-        operator.update(sim.time)
-        sim.advance(0.04)
-
-    act(operator.pushes.push, "hips", [1.0, 0.0, 0.0])
-    act(operator.walk.steer, forward=1.0)
+    pilot = pilot_of(sim)
+    pilot.walk(forward=1.0)
+    sim.advance(0.06)
     assert sim.current_behavior is Behavior.WALK
-    act(operator.modes.request, "USER")
+    pilot.behave("USER")
+    sim.advance(0.06)
     assert sim.current_behavior is Behavior.USER
     assert set(sim.atlas_sim_interface_state.k_effort) == {255}
 

@@ -14,6 +14,7 @@ from atlas_drake import (
     Scenario,
     ScenarioError,
     Start,
+    read_log,
 )
 from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
 from atlas_drake.control.joints.joint_pid import InverseMass
@@ -194,3 +195,22 @@ def test_the_gantry_releases_at_its_time_after_each_start_in_it():
 def test_a_gantry_needs_a_behavior_that_hangs():
     with pytest.raises(ScenarioError, match="initial_behavior"):
         AtlasSimulation(Scenario(start=Start(on_gantry=True)))
+
+
+def test_a_reset_takes_the_footsteps_away_in_records_and_in_the_log(tmp_path):
+    path = tmp_path / "run.mcap"
+    with AtlasSimulation(log=path) as sim:
+        walk = asking("WALK")
+        walk.walk_params.use_demo_walk = True
+        sim.publish(walk)
+        sim.wait_until(lambda sim: sim.record.landed, timeout=3.0)
+        sim.reset()
+        sim.advance(0.1)
+        last = sim.record
+        assert last.landed == ()
+        assert len(sim.footsteps) == 1  # Of the whole run.
+    log = read_log(path)
+    (reset,) = (one.row for one in log.logged if one.event.kind == "reset")
+    assert log.record(reset - 1).landed
+    assert log.record(reset).landed == ()
+    assert log.record(len(log) - 1) == last

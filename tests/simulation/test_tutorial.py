@@ -9,6 +9,7 @@ from atlas_drake.scenario.scenario import LONGEST_STEP
 from atlas_drake.simulation.tutorial import (
     DURATION,
     FIRST_COMMAND,
+    STEPS,
     USER_TARGETS,
     tutorial_schedule,
 )
@@ -110,3 +111,21 @@ def test_literally_the_arm_command_brings_no_velocity_gains():
     assert list(arms[0].kp_velocity) == [50.0] * 28
     assert list(arms[1].kp_velocity) == []
     assert list(arms[0].kp_position) == list(arms[1].kp_position)
+
+
+def test_the_steps_that_people_read_are_those_of_the_schedule():
+    times = {entry.time for entry in tutorial_schedule(load_robot("atlas"))}
+    assert len(STEPS) == 5
+    assert times >= {step.begin for step in STEPS}
+
+
+def test_a_schedule_is_dropped_at_once():
+    sim = AtlasSimulation(Scenario(schedule="tutorial"))
+    sim.advance(FIRST_COMMAND + 0.1)
+    sim.drop_schedule()
+    sim.drop_schedule()  # Nothing is left.
+    sim.advance(3.0)
+    texts = [event.text for event in sim.events if event.kind == "command"]
+    assert texts == LINES[:1]
+    dropped = [event.text for event in sim.events if event.kind == "schedule"]
+    assert dropped == ["the rest of the schedule is dropped, 5 commands"]

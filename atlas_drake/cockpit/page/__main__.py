@@ -1,11 +1,68 @@
-"""Serves the page until the line to the simulation is closed."""
+"""The page's process: serves until the line to the simulation is closed."""
 
 from __future__ import annotations
 
+import asyncio
+import logging
+import queue
+import secrets
 import sys
+import threading
+from typing import Any
 
-from atlas_drake.cockpit.page.server import serve
+from atlas_drake.addresses import ANYWHERE, is_private
+from atlas_drake.cockpit.link import Link
+from atlas_drake.cockpit.page.access import Access
+from atlas_drake.cockpit.page.server import FIRST_PORT, Server, serving
+from atlas_drake.cockpit.page.session import Session
+from atlas_drake.cockpit.wire import Answer
+
+LONGEST_LINE = 200
+"""Letters of a line about an input that was dropped."""
+
+
+async def serve(link: Link, host: str, port: int) -> None:
+    """Serves the page until the line is closed."""
+    try:
+        token = None if is_private(host) else secrets.token_urlsafe(16)
+        host = "0.0.0.0" if host == ANYWHERE else host
+        access, outgoing = Access(host, token), queue.SimpleQueue[Any]()
+        server = Server(access, outgoing.put, Session())
+        async with serving(server, host, port or FIRST_PORT) as port:
+            link.send(access.url(port))
+            threading.Thread(target=_write, args=(link, outgoing), daemon=True).start()
+            loop = asyncio.get_running_loop()
+            while True:
+                message = await asyncio.to_thread(link.receive)
+                # The page goes on after a fault, which the loop logs.
+                loop.call_soon(server.take, message)
+    except EOFError:
+        pass  # Nothing is left to show.
+    except (OSError, ValueError) as error:
+        problem = getattr(error, "strerror", None) or str(error)
+        link.send(Answer(0, problem=problem))
+
+
+def _write(link: Link, outgoing: queue.SimpleQueue[Any]) -> None:
+    """Sends what the server, which never waits for the simulation, has put out."""
+    while True:
+        link.send(outgoing.get())
+
+
+class OneLine(logging.Formatter):
+    """Leaves tracebacks out: what a browser sends may cause any number of them."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Returns the error in one line."""
+        error = record.exc_info[1] if record.exc_info else record.getMessage()
+        kind = f"{type(error).__name__}: " if isinstance(error, Exception) else ""
+        text = f"! The page dropped an input: {kind}{error}"[:LONGEST_LINE]
+        return "".join(one if one.isprintable() else " " for one in text)
+
 
 if __name__ == "__main__":
     descriptor, host, port = sys.argv[1:]
-    serve(int(descriptor), host, int(port))
+    handler = logging.StreamHandler()
+    handler.setFormatter(OneLine())
+    logging.basicConfig(handlers=[handler])
+    asyncio.run(serve(Link(int(descriptor)), host, int(port)))

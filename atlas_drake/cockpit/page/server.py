@@ -3,129 +3,194 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
-import os
-import secrets
-import socket
-import threading
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
+from typing import Any
 
-from nicegui import app, ui
+import orjson
+from aiohttp import WSMessage, WSMsgType, web
+from pydantic import BaseModel, ConfigDict, Field
 
-from atlas_drake.addresses import ANYWHERE, is_private
-from atlas_drake.cockpit.link import Link
-from atlas_drake.cockpit.orders import Reply
-from atlas_drake.cockpit.page import relay
-from atlas_drake.cockpit.page.access import Access
-from atlas_drake.cockpit.page.desk import Desk, Viewer
-from atlas_drake.cockpit.page.layout import build_page
+from atlas_drake.cockpit.page.access import Access, Throttle, add_headers
+from atlas_drake.cockpit.page.actions import Actions, Refused
+from atlas_drake.cockpit.page.relay import Relay
+from atlas_drake.cockpit.page.session import Session, Viewer, as_json
+from atlas_drake.cockpit.page.sockets import close, first_of, opened, send
+from atlas_drake.cockpit.wire import (
+    ACKNOWLEDGED,
+    Answer,
+    Frame,
+    Notice,
+    Run,
+    Settings,
+)
+from atlas_drake.errors import AtlasError
 
 FIRST_PORT, PORTS_TRIED = 8080, 100
 """First port that is tried, and how many are."""
 STATIC = Path(__file__).parent / "static"
+MOST_BYTES, MOST_BYTES_WATCHING = 1_000_000, 10_000
+"""Size of a browser's message, and of one that has no control, beyond which its
+connection is closed."""
+PERIOD = 0.02
+"""Time between two set-points of a joint that moves, and between two looks at whether
+who has control is silent [s]."""
+_log = logging.getLogger(__package__)
 
 
-def serve(descriptor: int, host: str, port: int) -> None:
-    """Serves the page until the line is closed."""
-    link = Link.at(descriptor)
-    try:
-        token = None if is_private(host) else secrets.token_urlsafe(16)
-        host = "0.0.0.0" if host == ANYWHERE else host
-        port = free_port(host, port or FIRST_PORT)
-    except (OSError, ValueError) as error:
-        problem = getattr(error, "strerror", None) or str(error)
-        link.send(Reply(0, problem=problem))
-        return
-    access = Access(host, port, token)
-    desk = Desk(link)
-    app.add_middleware(access.middleware)
-    app.add_static_files("/assets", STATIC)
-    relay.add_routes(app, desk)
+class Server:
+    """The page of one line: what comes over it goes to browsers, and back."""
 
-    @ui.page("/", title="atlas_drake", response_timeout=30.0)
-    def page(token: str = "") -> None:
-        build_page(desk, Viewer(may_steer=access.allows(token)))
+    def __init__(
+        self, access: Access, send: Callable[[Any], object], session: Session
+    ) -> None:
+        """Serves viewers, who ask the run by ``send``."""
+        self._access, self._send, self._session = access, send, session
+        self._actions = Actions(send, session)
+        self._relay = Relay()
 
-    async def announce() -> None:
-        loop = asyncio.get_running_loop()
-        threading.Thread(target=_read, args=(link, desk, loop), daemon=True).start()
+    def app(self) -> web.Application:
+        """Returns the application to serve."""
+        app = web.Application(middlewares=[self._access.guard])
+        app.on_response_prepare.append(add_headers)
+        app.cleanup_ctx.append(self._as_time_goes_on)
+        app.router.add_get("/", self._index)
+        app.router.add_get("/socket", self._socket)
+        app.router.add_static("/assets/", STATIC)
+        self._relay.add_to(app)
+        return app
+
+    def take(self, message: Any) -> None:
+        """Takes what comes over the line."""
+        session, actions = self._session, self._actions
+        if isinstance(message, Frame):
+            self._send(ACKNOWLEDGED)
+            actions.see(message)
+            session.show_frame(message, **actions.beside)
+        elif isinstance(message, Answer):
+            actions.take(message)
+        elif isinstance(message, Run):
+            actions.join(message)
+            self._relay.show(message.meshcat_port)
+            session.show_run(message)
+        elif isinstance(message, Settings):
+            session.show_settings(message)
+        elif isinstance(message, Notice):
+            session.show_notice(message)
+
+    async def _as_time_goes_on(self, _app: web.Application) -> AsyncIterator[None]:
+        task = asyncio.create_task(self._go_on())
+        yield
+        task.cancel()
+
+    async def _go_on(self) -> None:
         while True:
+            await asyncio.sleep(PERIOD)
+            self._actions.move(PERIOD)
+            self._session.pass_on()
+
+    async def _index(self, _request: web.Request) -> web.FileResponse:
+        return web.FileResponse(STATIC / "index.html")
+
+    # ---- one browser ---------------------------------------------------------
+
+    async def _socket(self, request: web.Request) -> web.WebSocketResponse:
+        """Serves the page of one viewer, as long as it is open."""
+        socket = await opened(request, MOST_BYTES)
+        may_steer = self._access.allows(request.query.get("token", ""))
+        if not self._session.has_room(may_steer=may_steer):
+            text = "Too many pages are open: close one, and load this one anew"
+            await socket.send_str(as_json("notice", text=text, lasting=True).decode())
+            await close(socket, request, code=1013)
+            return socket
+        viewer = Viewer(may_steer)
+        sending = asyncio.create_task(send(socket, viewer.pending, WSMsgType.TEXT))
+        viewer.drop = sending.cancel
+        self._session.join(viewer)
+        self._send(len(self._session.viewers))
+        try:
+            await first_of(sending, self._receive(socket, viewer))
+        finally:
+            if self._session.leave(viewer):
+                self._actions.end_walk()
+            self._send(len(self._session.viewers))
+        await close(socket, request)
+        return socket
+
+    async def _receive(self, socket: web.WebSocketResponse, viewer: Viewer) -> None:
+        """Takes what a browser sends, until it goes or must go."""
+        throttle = Throttle()
+        answering: set[asyncio.Task[None]] = set()
+        async for message in socket:
+            fault = self._fault_of(message, viewer, throttle)
+            if fault:
+                _complain(viewer, fault)
+                return
             try:
-                _, writer = await asyncio.open_connection(host, port)
-            except OSError:
-                await asyncio.sleep(0.02)
+                asked = Asked.model_validate(orjson.loads(message.data))
+            except ValueError as error:
+                _complain(viewer, f"a message that is no request: {error}")
                 continue
-            writer.close()
-            break
-        link.send(access.url)
+            task = asyncio.create_task(self._answer(viewer, asked))
+            answering.add(task)
+            task.add_done_callback(answering.discard)
 
-    os.environ.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would serve its own tests.
-    _log_in_one_line()
-    app.on_startup(lambda: asyncio.ensure_future(announce()))
-    ui.run(
-        host=host,
-        port=port,
-        show=False,
-        reload=False,
-        show_welcome_message=False,
-        reconnect_timeout=SLOWEST_ANSWER,
-        favicon="🤖",
-        dark=None,
-        uvicorn_logging_level="critical",
-        ws_max_size=MOST_BYTES,
-        gzip_middleware_factory=None,
-        tailwind=False,
-    )
+    async def _answer(self, viewer: Viewer, asked: Asked) -> None:
+        """Does what a viewer asks for, and tells it what became of it."""
+        try:
+            value = await self._actions.do(viewer, asked.do, asked.values)
+            viewer.tell("answer", number=asked.number, value=value)
+            return
+        except (Refused, AtlasError, ValueError) as error:
+            problem = str(error)
+        except Exception as error:  # Of this program's: the page goes on.
+            problem = f"{type(error).__name__}: {error}"
+            _complain(viewer, problem)
+        viewer.tell("answer", number=asked.number, problem=problem)
+
+    def _fault_of(self, message: WSMessage, viewer: Viewer, throttle: Throttle) -> str:
+        """Returns why a message ends its connection; empty if it does not."""
+        if message.type is WSMsgType.ERROR:
+            return f"a message of more than {MOST_BYTES} bytes, or a broken one"
+        if not throttle.allows_one_more():
+            return "a flood of messages"
+        is_watching = viewer is not self._session.holder
+        if is_watching and len(message.data) > MOST_BYTES_WATCHING:
+            return f"a message of more than {MOST_BYTES_WATCHING} bytes from a watcher"
+        return ""
 
 
-SLOWEST_ANSWER = 60.0
-"""Time that a browser has to come back before its page is built anew [s]; a slow one
-draws for seconds on end."""
-MOST_BYTES = 100_000
-"""Size of a browser's message beyond which its connection is closed."""
+class Asked(BaseModel):
+    """What a browser asks for."""
+
+    model_config = ConfigDict(strict=True)
+    number: int = 0
+    do: str
+    values: dict[str, Any] = Field(default={}, alias="with")
 
 
-def _read(link: Link, desk: Desk, loop: asyncio.AbstractEventLoop) -> None:
-    """Hands what comes over the line to the desk; ends the process with the line."""
+def _complain(viewer: Viewer, fault: str) -> None:
+    """Says at the terminal what is wrong with a connection, once."""
+    if not viewer.has_erred:
+        viewer.has_erred = True
+        _log.warning("%s", fault)
+
+
+@contextlib.asynccontextmanager
+async def serving(server: Server, host: str, first: int) -> AsyncIterator[int]:
+    """Serves at the first free port from ``first`` on, which it gives."""
+    runner = web.AppRunner(server.app(), access_log=None, shutdown_timeout=0.1)
+    await runner.setup()
     try:
-        while True:
-            loop.call_soon_threadsafe(desk.take, link.receive())
-    except EOFError:
-        os._exit(0)  # Nothing is left to show or to keep.
-
-
-class _OneLine(logging.Formatter):
-    """Leaves tracebacks out: what a browser sends may cause any number of them."""
-
-    def format(self, record: logging.LogRecord) -> str:
-        """Returns the error in one line."""
-        error = record.exc_info[1] if record.exc_info else record.getMessage()
-        kind = f"{type(error).__name__}: " if isinstance(error, Exception) else ""
-        return f"! The page dropped an input: {kind}{error}"[:LONGEST_LINE]
-
-
-LONGEST_LINE = 200
-"""Letters of a line about an input that was dropped."""
-
-
-def _log_in_one_line() -> None:
-    handler = logging.StreamHandler()
-    handler.setFormatter(_OneLine())
-    for name in ("nicegui", "asyncio"):
-        log = logging.getLogger(name)
-        log.handlers, log.propagate = [handler], False
-
-
-def free_port(host: str, first: int) -> int:
-    """Returns the first free port from ``first`` on."""
-    problem = OSError(f"no free port from {first} on")
-    for port in range(first, first + PORTS_TRIED):
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        for port in range(first, first + PORTS_TRIED):
             try:
-                probe.bind((host, port))
-                return port
-            except OSError as error:
-                problem = error
-    raise problem
+                await web.TCPSite(runner, host, port).start()
+                break
+            except OSError:
+                if port == first + PORTS_TRIED - 1:
+                    raise
+        yield port
+    finally:
+        await runner.cleanup()

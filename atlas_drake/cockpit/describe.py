@@ -1,0 +1,203 @@
+"""Describes a run, or a log, to the page: what stays the same, as plain data."""
+
+from __future__ import annotations
+
+import dataclasses
+import secrets
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import Frame
+
+from atlas_drake.cockpit.fields import param_fields
+from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
+from atlas_drake.logs import Log
+from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorInterface
+from atlas_drake.planning.footholds import Gait
+from atlas_drake.records import Schema, TickRecord
+from atlas_drake.records.plain import PARTS, to_plain
+from atlas_drake.records.schema import TIME
+from atlas_drake.robot import Robot
+from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.simulation.tutorial import STEPS
+from atlas_drake.visualization.overlays import OVERLAYS, logged_overlays
+
+GAIT_UNITS = {"stride": "m", "turn": "rad", "duration": "s", "swing_height": "m"}
+"""The settings of a gait that the page offers, and their units."""
+PELVIS = tuple(
+    field.name for field in dataclasses.fields(AtlasBehaviorPelvisServoParams)
+)
+"""Coordinates of the pelvis in MANIPULATE."""
+COM_SHIFT = 0.1
+"""Largest shift of the center of mass that the page offers [m]."""
+SHARES_OF_LOG = 1000
+"""Number of instants at which the page knows who had the joints in a log."""
+
+
+def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
+    """Describes a simulation."""
+    config = sim.scenario.controller_config()
+    steps = STEPS if sim.scenario.schedule == "tutorial" else ()
+    return {
+        **_robot(sim.robot, sim.behaviors),
+        "title": sim.scenario.name,
+        "gait": _gait(config.gait()),
+        "pelvis": _pelvis(config.manipulate.range, sim.record),
+        "pushed": list(sim.robot.file.pushed),
+        "overlays": dict(OVERLAYS),
+        "columns": columns_of(sim.schema, sim.record),
+        "steps": [step._asdict() for step in steps],
+        "log": None,
+    }
+
+
+def describe_log(log: Log, beside: Log | None) -> dict[str, Any]:
+    """Describes a log, and whether there is one beside it."""
+    shown = logged_overlays(log.scenario.log)
+    numbers = log["behavior.current"]
+    begins = np.flatnonzero(np.diff(numbers, prepend=-1))
+    rows = np.arange(0, len(log), max(-(-len(log) // SHARES_OF_LOG), 1))
+    shares = log["joints.k_effort"][rows].mean(axis=1) / 255.0
+    return {
+        **_robot(log.robot, log.header.catalog),
+        "title": log.path.name,
+        "gait": {},
+        "pelvis": {},
+        "pushed": [],
+        "overlays": {name: OVERLAYS[name] for name in shown},
+        "columns": {name: {"unit": unit} for name, unit in log.units.items()},
+        "steps": [],
+        "log": {
+            "begin": float(log.time[0]),
+            "end": float(log.time[-1]),
+            "phases": [
+                [float(log.time[row]), log.behavior(int(numbers[row])).name]
+                for row in begins
+            ],
+            "share": np.column_stack([log.time[rows], shares]).round(4).tolist(),
+            "events": [[event.time, event.kind, event.text] for event in log.events],
+            "beside": beside is not None,
+        },
+    }
+
+
+def _robot(robot: Robot, behaviors: Iterable[BehaviorInterface]) -> dict[str, Any]:
+    sole = robot.file.sole
+    return {
+        "id": secrets.token_hex(4),
+        "robot": robot.name,
+        "mass": robot.mass,
+        "joints": joints_of(robot),
+        "behaviors": [_behavior(one) for one in behaviors if one.name != "NONE"],
+        "sole": [sole.length, sole.width],
+    }
+
+
+def joints_of(robot: Robot) -> list[dict[str, Any]]:
+    """Describes the joints, with their places in a figure seen from the front [m].
+
+    The figure is the robot in its stand-prep pose: y to its left, z up.
+    """
+    plant = robot.plant
+    context = plant.CreateDefaultContext()
+    own = robot.instance(plant)
+    joints = [plant.GetJointByName(name, own) for name in robot.joint_names]
+    for joint, angle in zip(joints, robot.stand_prep, strict=True):
+        joint.set_angle(context, float(angle))
+
+    def place(frame: Frame) -> tuple[float, float]:
+        _, y, z = frame.CalcPoseInWorld(context).translation()
+        return round(float(y), 3), round(float(z), 3)
+
+    root = place(plant.GetFrameByName(robot.file.pelvis, own))
+    places = [place(joint.frame_on_child()) for joint in joints]
+    moved_at = {
+        link: at
+        for at, links in zip(places, robot.moved_links, strict=True)
+        for link in links
+    }
+    return [
+        {
+            "name": robot.joint_names[index],
+            "limb": robot.file.joints[index].limb,
+            "lower": float(robot.position_lower[index]),
+            "upper": float(robot.position_upper[index]),
+            "effort": float(robot.effort_limit[index]),
+            "links": list(robot.moved_links[index]),
+            "place": places[index],
+            "parent": moved_at.get(joint.parent_body().name(), root),
+        }
+        for index, joint in enumerate(joints)
+    ]
+
+
+def _behavior(entry: BehaviorInterface) -> dict[str, Any]:
+    own = entry.name not in Behavior.__members__
+    return {
+        "name": entry.name,
+        "color": entry.color,
+        "description": entry.description,
+        "own": own,
+        "params": param_fields(entry.params) if own and entry.params else [],
+    }
+
+
+def _range(low: float, high: float, step: float, unit: str, usual: float) -> Any:
+    return {"low": low, "high": high, "step": step, "unit": unit, "usual": usual}
+
+
+def _gait(gait: Gait) -> dict[str, Any]:
+    return {
+        name: _range(low, high, 0.01, GAIT_UNITS[name], getattr(gait, name))
+        for name, low, high in gait.bounds()
+        if name in GAIT_UNITS
+    }
+
+
+def _pelvis(allowed: PelvisRange, record: TickRecord) -> dict[str, Any]:
+    """Returns the bounds of the pelvis' coordinates; the behavior clamps further.
+
+    The usual height is that of the record, all else is 0.
+    """
+    soles = [p_WF[2] for p_WF in record.feet.positions]
+    height = float(record.pelvis.position[2] - np.mean(soles))
+    ranges = {}
+    for name in PELVIS:
+        known: Any = getattr(allowed, name.removeprefix("pelvis_"), None)
+        low, high = known or (-COM_SHIFT, COM_SHIFT)
+        unit = "rad" if known and name != "pelvis_height" else "m"
+        usual = float(np.clip(height if name == "pelvis_height" else 0.0, low, high))
+        ranges[name] = _range(float(low), float(high), 0.005, unit, usual)
+    return ranges
+
+
+def columns_of(schema: Schema, record: TickRecord) -> dict[str, Any]:
+    """Returns unit and place of each number in the JSON of a record, by name."""
+    found: dict[str, Any] = {}
+    for name, column in schema.columns.items():
+        if name == TIME:
+            continue
+        keys: list[Any] = name.split(".")
+        for place, label in enumerate(column.elements):
+            rows = divmod(place, column.width) if column.width else (place,)
+            found[f"{name}.{label}"] = {"unit": column.unit, "path": [*keys, *rows]}
+        if not column.elements:
+            found[name] = {"unit": column.unit, "path": keys}
+    for part in PARTS:
+        for name, keys in _paths(to_plain(getattr(record, part)), (part,)):
+            found[name] = {"unit": "", "path": keys}
+    return found
+
+
+def _paths(value: Any, keys: tuple[Any, ...]) -> Iterable[tuple[str, list[Any]]]:
+    """Yields name and keys of each number in a plain value."""
+    if isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from _paths(item, (*keys, name))
+    elif isinstance(value, list):
+        for place, item in enumerate(value):
+            yield from _paths(item, (*keys, place))
+    elif isinstance(value, bool | int | float):
+        yield ".".join(map(str, keys)), list(keys)

@@ -1,0 +1,163 @@
+"""Describes the fields of a configuration to the page, from their declarations.
+
+One description serves all forms: the settings of a scenario, the parameters of a
+behavior.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import types
+import typing
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Interval, Le, Lt
+
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.config import as_plain, joined, trailing_strings
+from atlas_drake.robot.load import available_robots
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.differences import is_of_a_run, usual_of
+from atlas_drake.scenario.world_file import available_worlds
+
+NOT_LISTED = (
+    "name",
+    "model",  # It has a choice of its own, as have the world and what is a list.
+    "world",
+    "messages",
+    "terrain",
+    "models",
+    "pushes",
+    "plant.time_step",
+    "plant.use_sampled_output_ports",
+    "simulator.start_time",
+)
+"""Paths that are no settings of the list, with all below them."""
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenarios"
+"""Scenarios beside the package; an installed package has none."""
+_UNIT = re.compile(r"\[([^\[\]]+)\]")
+
+
+def settings_of(scenario: Scenario, why_not: str) -> dict[str, Any]:
+    """Describes a resolved scenario; ``why_not`` says why no other can follow."""
+    return {
+        "name": scenario.name,
+        "robot": scenario.model,
+        "world": scenario.surroundings().name,
+        "seed": scenario.seed,
+        "robots": available_robots(),
+        "worlds": available_worlds(),
+        "examples": sorted(path.stem for path in EXAMPLES.glob("*.yaml")),
+        "why_not": why_not,
+        "fields": list(scenario_fields(scenario)),
+    }
+
+
+def scenario_fields(scenario: Scenario) -> Iterator[dict[str, Any]]:
+    """Lists all fields of a resolved scenario that are one value each."""
+    yield from _within(Scenario, scenario, usual_of(scenario), "", NOT_LISTED)
+
+
+def param_fields(kind: type) -> list[dict[str, Any]]:
+    """Lists the parameters of a behavior, whose class has defaults."""
+    blank = kind()
+    return list(_within(kind, blank, as_plain(blank), "", ()))
+
+
+def _within(
+    kind: type, value: Any, usual: Any, path: str, left_out: Collection[str]
+) -> Iterator[dict[str, Any]]:
+    """Lists the fields of a value of some kind, whose path is given."""
+    told = trailing_strings(kind) if dataclasses.is_dataclass(kind) else {}
+    for name, declared in _declared(kind):
+        place = joined(path, name)
+        if place in left_out:
+            continue
+        inner = getattr(value, name)
+        known = usual.get(name) if isinstance(usual, dict) else None
+        if place == "controller":
+            declared = ControllerConfig
+        if _is_structure(type(inner)):
+            yield from _within(type(inner), inner, known, place, left_out)
+        else:
+            yield _field(place, declared, as_plain(inner), known, told.get(name, ""))
+
+
+def _declared(kind: type) -> Iterable[tuple[str, Any]]:
+    if dataclasses.is_dataclass(kind):
+        hints = typing.get_type_hints(kind, include_extras=True)
+        return [(one.name, hints[one.name]) for one in dataclasses.fields(kind)]
+    return [(one.name, one.type) for one in kind.__fields__]  # type: ignore[attr-defined]
+
+
+def _is_structure(kind: type) -> bool:
+    return dataclasses.is_dataclass(kind) or hasattr(kind, "__fields__")
+
+
+def _field(
+    path: str, declared: Any, value: Any, usual: Any, text: str
+) -> dict[str, Any]:
+    parts = list(_parts(declared))
+    choices = [
+        str(choice)
+        for part in parts
+        if typing.get_origin(part) is typing.Literal
+        for choice in typing.get_args(part)
+    ]
+    units = _UNIT.findall(text)
+    return {
+        "path": path,
+        "value": text_of(value),
+        "usual": text_of(usual),
+        "text": " ".join(text.replace("``", "").split()),
+        "unit": units[-1] if units and units[-1] != "-" else "",
+        "kind": "choice" if choices else _kind(value),
+        "bounds": bounds_in_words(parts),
+        "choices": choices,
+        "needs": "a new run" if is_of_a_run(path) else "a restart",
+    }
+
+
+def _kind(value: Any) -> str:
+    kinds = ((bool, "flag"), (int | float, "number"), (str, "text"))
+    return next((name for kind, name in kinds if isinstance(value, kind)), "yaml")
+
+
+def text_of(value: Any) -> str:
+    """Returns a plain value as the text that YAML has for it."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, list):
+        return f"[{', '.join(map(text_of, value))}]"
+    return str(value)
+
+
+def _parts(declared: Any) -> Iterator[Any]:
+    """Takes annotations and unions apart: types and notes."""
+    if typing.get_origin(declared) is Annotated:
+        inner, *notes = typing.get_args(declared)
+        yield from (*_parts(inner), *notes)
+    elif typing.get_origin(declared) in (types.UnionType, typing.Union):
+        for one in typing.get_args(declared):
+            yield from _parts(one)
+    else:
+        yield declared
+
+
+def bounds_in_words(notes: Iterable[Any]) -> str:
+    """Says what a number may be, such as "> 0, ≤ 1"; empty without bounds."""
+    said = []
+    for note in notes:
+        for sign, kind, name in (
+            (">", Gt, "gt"),
+            ("≥", Ge, "ge"),
+            ("<", Lt, "lt"),
+            ("≤", Le, "le"),
+        ):
+            if isinstance(note, kind | Interval):
+                bound = getattr(note, name)
+                said += [] if bound is None else [f"{sign} {bound:g}"]
+    return ", ".join(said)

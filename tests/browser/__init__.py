@@ -1,0 +1,1 @@
+"""Tests in a browser, which share it and one run."""

@@ -1,0 +1,246 @@
+"""Several viewers of the cockpit, bad ones too, in a real browser."""
+
+import contextlib
+import json
+import re
+import socket
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
+
+import pytest
+
+from .conftest import DRAW_WHEN_ASKED, CockpitPage, wait_for
+
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
+
+
+def test_a_second_viewer_watches_asks_and_steers(page, watching):
+    assert page.says("Steering") == "You steer"
+    assert watching.says("Steering") == "Ask to steer"
+    watching.press("FREEZE")
+    watching.tells("You are watching: ask for control first")
+    assert watching.mode == "STAND"
+    watching.press("Steering")
+    wait_for(lambda: page.says("Steering") == "Hand over", "the question")
+    wait_for(lambda: watching.says("Steering") == "Asked …", "the question itself")
+    page.press("Steering")
+    wait_for(lambda: watching.says("Steering") == "You steer", "the answer")
+    assert page.says("Steering") == "Ask to steer"
+    watching.press("FREEZE")
+    page.becomes("FREEZE")
+    watching.press("Steering")
+    wait_for(lambda: page.says("Steering") == "Steer", "control that nobody has")
+
+
+def test_closing_the_page_ends_a_walk_and_loses_nothing(page, watching):
+    page.key("i")
+    page.becomes("WALK")
+    page.close()
+    wait_for(lambda: watching.says("Steering") == "Steer", "the end of the page")
+    watching.becomes("STAND")
+    page.open()
+    assert page.says("Steering") == "You steer"
+    assert "STAND -> WALK" in page.events()
+
+
+def test_a_slow_browser_holds_nothing_up(page, watching):
+    session = watching.page.context.new_cdp_session(watching.page)
+    session.send("Emulation.setCPUThrottlingRate", {"rate": 10})
+    page.goes_on()
+    page.press("FREEZE")
+    page.becomes("FREEZE")
+    session.send("Emulation.setCPUThrottlingRate", {"rate": 1})
+
+
+JUNK = """async (address) => {
+  const open = async (path) => {
+    const one = new WebSocket(address + path);
+    await new Promise((done) => { one.onopen = done; });
+    return one;
+  };
+  const values = [null, -5, 1e300, "junk", {}, [], { x: {} }, { name: 7 }];
+  const names = ["walk", "move", "share", "push", "behave", "message", "start", "stop",
+                 "nothing", "__class__", "", 7, null];
+  const sockets = [];
+  const bytes = new Uint8Array([255, 193, 0, 1]);
+  for (const junk of ["junk", "[1, 2]", "7", '{"do": 1}', bytes]) {
+    const one = await open("socket");
+    for (let i = 0; i < 20; i++) one.send(junk);
+    sockets.push(one);
+  }
+  const one = await open("socket");
+  for (const name of names) for (const value of values) {
+    one.send(JSON.stringify({ do: name, number: 1, with: value }));
+  }
+  const pictures = await open("meshcat");
+  pictures.send(new Uint8Array([255, 193, 0, 1]));
+  pictures.send('{"type": "button", "name": "STOP"}');
+  pictures.send("x".repeat(900));
+  await new Promise((done) => setTimeout(done, 300));
+  for (const each of [...sockets, one, pictures]) each.close();
+  return sockets.length + 1;
+}"""
+"""Sends junk over websockets of its own, and returns over how many of them orders."""
+
+
+def test_junk_neither_ends_nor_steers_a_run_and_makes_a_line_each(page, teleop):
+    before = len(teleop.printed)
+    connections = page.see(JUNK, teleop.url.replace("http", "ws"))
+    page.goes_on()
+    assert page.mode == "STAND"
+    assert page.says("Steering") == "You steer"
+    lines = teleop.printed[before:].splitlines()
+    assert (
+        0 < len([line for line in lines if "dropped an input" in line]) <= connections
+    )
+    page.press("FREEZE")
+    page.becomes("FREEZE")
+
+
+def test_a_flood_holds_nobody_else_up(page, watching):
+    watching.page.evaluate(
+        """() => { for (let i = 0; i < 20000; i++) {
+          cockpit.page.do("share", { joints: ["l_arm_shx"], k_effort: 255 },
+                          { quiet: true }).catch(() => {});
+        } }"""
+    )
+    page.goes_on()
+    page.press("FREEZE")
+    page.becomes("FREEZE")
+    assert not any(page.frame(".command.k_effort"))
+    # Its connection was closed; it comes back, and may watch.
+    wait_for(lambda: watching.mode == "FREEZE", "the connection")
+
+
+# ---- other sites -----------------------------------------------------------------
+
+
+def test_a_foreign_page_reaches_nothing(page, teleop, browser):
+    foreign = browser.new_page()
+    foreign.goto("about:blank")
+    for path in ("socket", "meshcat"):
+        reached = foreign.evaluate(
+            """(address) => new Promise(done => {
+              const socket = new WebSocket(address);
+              socket.onopen = () => done(true);
+              socket.onerror = () => done(false);
+            })""",
+            teleop.url.replace("http", "ws") + path,
+        )
+        assert not reached
+    foreign.close()
+
+
+@pytest.fixture
+def foreign_site(teleop, tmp_path):
+    """The address of a site that loads and frames the page, and links to it."""
+    (tmp_path / "index.html").write_text(
+        f"""<script type="module" src="{teleop.url}assets/page.js"></script>
+        <iframe src="{teleop.url}"></iframe><a href="{teleop.url}">the robot</a>"""
+    )
+    handler = partial(SimpleHTTPRequestHandler, directory=tmp_path)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost"])
+def test_a_foreign_site_links_to_the_page_and_no_more(
+    name, page, foreign_site, browser
+):
+    """The name of the same host makes it a cross-site, or only a cross-origin."""
+    foreign = browser.new_page()
+    foreign.add_init_script(DRAW_WHEN_ASKED)
+    foreign.goto(foreign_site.replace("127.0.0.1", name))
+    assert foreign.evaluate("typeof cockpit") == "undefined"
+    frame = foreign.frames[1]
+    assert frame.get_by_label("Mode", exact=True).count() == 0
+    foreign.get_by_text("the robot").click()
+    foreign.get_by_label("Mode", exact=True).first.wait_for()
+    foreign.close()
+
+
+# ---- the page itself -------------------------------------------------------------
+
+
+@pytest.fixture
+def tunnel(teleop):
+    """The address of the page behind another port, as by ``ssh -L``."""
+    port = int(re.search(r":(\d+)/", teleop.url)[1])
+
+    def copy(source, target):
+        with contextlib.suppress(OSError):
+            while data := source.recv(65536):
+                target.sendall(data)
+        with contextlib.suppress(OSError):
+            target.shutdown(socket.SHUT_WR)
+
+    def accept():
+        with contextlib.suppress(OSError):
+            while True:
+                near, _ = entrance.accept()
+                far = socket.create_connection(("127.0.0.1", port))
+                for way in ((near, far), (far, near)):
+                    Thread(target=copy, args=way, daemon=True).start()
+
+    with socket.create_server(("127.0.0.1", 0)) as entrance:
+        Thread(target=accept, daemon=True).start()
+        yield f"http://localhost:{entrance.getsockname()[1]}/"
+        entrance.shutdown(socket.SHUT_RDWR)
+
+
+NAME = "l_arm_elx"
+HOSTILE = "l_arm_elx');alert(1);//\"><img src=x onerror=alert(1)>"
+
+
+def renamed(page):
+    """Gives a joint a hostile name on the way between server and page."""
+    there, here = json.dumps(NAME)[1:-1], json.dumps(HOSTILE)[1:-1]
+
+    def connect(browser):
+        server = browser.connect_to_server()
+        server.on_message(lambda text: browser.send(text.replace(there, here)))
+        browser.on_message(lambda text: server.send(text.replace(here, there)))
+
+    page.route_web_socket(re.compile("/socket"), connect)
+
+
+def test_a_page_behind_another_port_works_and_runs_no_name_of_a_joint(
+    page, tunnel, browser
+):
+    other = CockpitPage(browser, tunnel, before=renamed)
+    policy = other.page.request.get(tunnel).headers["content-security-policy"]
+    assert "script-src 'self';" in policy
+    other.until("cockpit.wanted.size > 0")  # Of the 3D view.
+    page.press("Steering")
+    wait_for(lambda: other.says("Steering") == "Steer", "control that nobody has")
+    other.press("Steering")
+    wait_for(lambda: other.says("Steering") == "You steer", "control")
+    other.page.get_by_role("button", name="l_arm", exact=True).press("Enter")
+    other.button(f"{HOSTILE}: behavior").click()
+    other.button(f"{HOSTILE}: yours").wait_for()
+    assert other.page.get_by_role("slider", name=f"{HOSTILE} [rad]").is_enabled()
+    other.press(f"Gains of {HOSTILE}")
+    other.page.get_by_role("heading", name=f"Gains of {HOSTILE}").wait_for()
+    assert other.page.locator("img").count() == 0
+    assert other.see(HANDLERS) == []
+    assert not other.errors
+    other.page.close()
+    wait_for(lambda: page.says("Steering") == "Steer", "the end of the page")
+
+
+HANDLERS = """[...document.querySelectorAll("*")].flatMap((e) =>
+  [...e.attributes].map((one) => one.name).filter((name) => name.startsWith("on")))"""
+"""Attributes that would be script."""
+
+
+def test_the_page_needs_no_internet(page, teleop):
+    ours = teleop.url.split("//")[1].split("/")[0]
+    assert page.asked
+    assert [
+        url
+        for url in page.asked
+        if ours not in url and not url.startswith(("data:", "blob:", "about:"))
+    ] == []
