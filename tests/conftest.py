@@ -21,6 +21,7 @@ from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import LOCAL_MODELS, load_robot
 
 from .filled import filled
+from .page_numbers import numbers_on_page as numbers_of_page
 
 # A busy machine must not fail a test, and a failure must come back when looked for.
 settings.register_profile(
@@ -191,3 +192,9 @@ def summary_keys():
         "peak_effort_fraction",
         "events",
     }
+
+
+@pytest.fixture
+def numbers_on_page():
+    """A function (sim, record) that finds every number where the page does."""
+    return numbers_of_page

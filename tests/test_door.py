@@ -29,7 +29,7 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorCatalog,
     BehaviorInterface,
 )
-from atlas_drake.messages.checks import check_flag, check_number, check_vector
+from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.commands import commands_at_start, latch
 from atlas_drake.robot import load_robot
 
@@ -367,9 +367,6 @@ def test_parameters_of_a_users_behavior_are_refused_or_compared(poison):
         (check_vector, [1.0], {"size": 2}, False),
         (check_vector, [1.0, None], {"size": 2}, False),
         (check_vector, "12", {"size": 2}, False),
-        (check_flag, np.True_, {}, True),
-        (check_flag, 2, {}, False),
-        (check_flag, "on", {}, False),
     ],
 )
 def test_an_argument_of_a_call_is_returned_or_refused_by_name(

@@ -14,7 +14,7 @@ from collections import deque
 from datetime import timedelta
 from typing import TextIO
 
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import PUSH, Event
 
 REPEAT = 5.0
 """Wall time between lines of progress where lines cannot be rewritten [s]."""
@@ -151,6 +151,6 @@ class TrialProgress(StatusLine):
 
 def event_line(event: Event) -> str:
     """Makes one line about an event; commands stand out, consequences are indented."""
-    indent = "" if event.kind in ("command", "push") else "  "
+    indent = "" if event.kind in ("command", PUSH) else "  "
     warning = "! " if event.kind in ("fall", "refusal", "warning", "steps left") else ""
     return f"{event.time:7.2f} s {indent}{warning}{event.text}"

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import secrets
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from pydrake.multibody.tree import Frame
 
 from atlas_drake.cockpit.fields import param_fields
+from atlas_drake.cockpit.frame import shown_event
 from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.logs import Log
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.records import Schema, TickRecord
-from atlas_drake.records.plain import PARTS, to_plain
+from atlas_drake.records.plain import PARTS, leaves, to_plain
 from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
@@ -58,8 +60,8 @@ def describe_log(log: Log, beside: Log | None) -> dict[str, Any]:
     shown = logged_overlays(log.scenario.log)
     numbers = log["behavior.current"]
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
-    rows = np.arange(0, len(log), max(-(-len(log) // SHARES_OF_LOG), 1))
-    shares = log["joints.k_effort"][rows].mean(axis=1) / 255.0
+    rows = thinned(len(log), SHARES_OF_LOG)
+    shares = share_of(log["joints.k_effort"][rows]).mean(axis=1)
     return {
         **_robot(log.robot, log.header.catalog),
         "title": log.path.name,
@@ -77,10 +79,15 @@ def describe_log(log: Log, beside: Log | None) -> dict[str, Any]:
                 for row in begins
             ],
             "share": np.column_stack([log.time[rows], shares]).round(4).tolist(),
-            "events": [[event.time, event.kind, event.text] for event in log.events],
+            "events": [shown_event(event) for event in log.events],
             "beside": beside is not None,
         },
     }
+
+
+def thinned(count: int, most: int) -> slice:
+    """Returns evenly spaced places among ``count``, at most ``most``."""
+    return slice(None, None, max(-(-count // most), 1))
 
 
 def _robot(robot: Robot, behaviors: Iterable[BehaviorInterface]) -> dict[str, Any]:
@@ -186,18 +193,6 @@ def columns_of(schema: Schema, record: TickRecord) -> dict[str, Any]:
         if not column.elements:
             found[name] = {"unit": column.unit, "path": keys}
     for part in PARTS:
-        for name, keys in _paths(to_plain(getattr(record, part)), (part,)):
-            found[name] = {"unit": "", "path": keys}
+        for keys, _ in leaves(to_plain(getattr(record, part)), (part,)):
+            found[".".join(map(str, keys))] = {"unit": "", "path": keys}
     return found
-
-
-def _paths(value: Any, keys: tuple[Any, ...]) -> Iterable[tuple[str, list[Any]]]:
-    """Yields name and keys of each number in a plain value."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _paths(item, (*keys, name))
-    elif isinstance(value, list):
-        for place, item in enumerate(value):
-            yield from _paths(item, (*keys, place))
-    elif isinstance(value, bool | int | float):
-        yield ".".join(map(str, keys)), list(keys)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import orjson
 
+from atlas_drake.cockpit.wire import ShownEvent
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.messages import (
     NO_STEP,
@@ -99,7 +100,11 @@ def coming_steps(
     ]
 
 
-def events_after(events: Sequence[Event], seen: int) -> tuple[Any, ...]:
+def events_after(events: Sequence[Event], seen: int) -> tuple[ShownEvent, ...]:
     """Returns the next events of a run after the ``seen`` first ones."""
-    new = events[seen : seen + EVENTS_AT_ONCE]
-    return tuple((event.time, event.kind, event.text) for event in new)
+    return tuple(map(shown_event, events[seen : seen + EVENTS_AT_ONCE]))
+
+
+def shown_event(event: Event) -> ShownEvent:
+    """Returns what the page shows of an event."""
+    return event.time, event.kind, event.text

@@ -14,13 +14,14 @@ from pydrake.systems.framework import Diagram
 
 from atlas_drake.cockpit.calls import offered
 from atlas_drake.cockpit.clock import FASTEST
-from atlas_drake.cockpit.describe import describe_log
+from atlas_drake.cockpit.describe import describe_log, thinned
 from atlas_drake.cockpit.frame import frame_json
 from atlas_drake.cockpit.recording import Recording
 from atlas_drake.cockpit.wire import Frame, Run
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.logs.log import Log
 from atlas_drake.messages.checks import check_number
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.visualization.overlays import Overlays
 
 FASTEST_PLAY = 10.0
@@ -187,7 +188,7 @@ class LogPage:
             time=self.time,
             rate=rate,
             behavior=catalog.find(record.behavior.current).name,
-            user=float(record.joints.k_effort.mean()) / 255.0,
+            user=float(share_of(record.joints.k_effort).mean()),
         )
 
 
@@ -195,9 +196,9 @@ def _curve(log: Log, name: str) -> dict[str, list[float | None]]:
     """Returns times and values of a column; no values if a log has no such column."""
     if name not in log.numbers:
         return {"time": [], "value": []}
-    every = max(-(-len(log) // MOST_POINTS), 1)
-    values: list[float] = log.numbers[name][::every].astype(float).tolist()
+    rows = thinned(len(log), MOST_POINTS)
+    values: list[float] = log.numbers[name][rows].astype(float).tolist()
     return {
-        "time": log.time[::every].tolist(),
+        "time": log.time[rows].tolist(),
         "value": [value if math.isfinite(value) else None for value in values],
     }

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from atlas_drake.config import read_yaml
 from atlas_drake.logs.footprints import runs
 from atlas_drake.logs.log import Log
+from atlas_drake.messages.event import PUSH
 
 WIDTH = 15.0
 """Width of a page [inch]."""
@@ -66,7 +67,7 @@ def titled_figure(log: Log, height: float) -> Figure:
     return figure
 
 
-MARKED = {"fall": ALARM, "push": "#b26a00"}
+MARKED = {"fall": ALARM, PUSH: "#b26a00"}
 """Colors of the lines at events of these kinds."""
 
 

@@ -67,11 +67,3 @@ def check_type(value: Any, kind: Any, name: str) -> Any:
         expected = getattr(kind, "__name__", kind)
         raise TypeError(f"{name} must be {expected}, is {shown(value)}")
     return value
-
-
-def check_flag(value: object, field: str) -> None:
-    """Raise InvalidMessageError unless the value is True or False."""
-    if not isinstance(value, bool | np.bool_):
-        raise InvalidMessageError(
-            field, value, f"must be True or False, is {shown(value)}"
-        )

@@ -5,16 +5,17 @@ import pandas
 import pytest
 
 from atlas_drake.app.main import main
-from atlas_drake.records.plain import flat_numbers, flat_units
+from atlas_drake.cockpit.describe import columns_of
 
 
-def test_every_number_has_a_name_and_the_unit_of_the_run(run):
+def test_every_number_has_a_name_and_the_unit_of_the_run(run, numbers_on_page):
     sim, log = run
-    numbers = flat_numbers(sim.schema, sim.record, log.numbers)
+    numbers = numbers_on_page(sim, sim.record)
     for name, array in log.numbers.items():
-        np.testing.assert_array_equal(array[-1], numbers[name], err_msg=name)
-    units = flat_units(sim.schema, sim.record)
-    assert log.units == {name: units[name] for name in log.numbers}
+        number = numbers.get(name, float("nan"))
+        np.testing.assert_array_equal(array[-1], number, err_msg=name)
+    columns = columns_of(sim.schema, sim.record)
+    assert log.units == {name: columns[name]["unit"] for name in log.numbers}
     assert log.units["balance.dcm.x"] == "m"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Behavior, InvalidMessageError, Scenario
-from atlas_drake.messages import AtlasSimInterfaceState, BehaviorStatus
+from atlas_drake.messages import BehaviorStatus
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.planning.joint_motion import DAMPING, SPEED, JointFacts
@@ -37,16 +37,6 @@ def sim(shared):
 @pytest.fixture
 def pilot(sim):
     return pilot_of(sim)
-
-
-@pytest.fixture
-def standing():
-    """A report of a robot that stands at the origin and looks along x."""
-    report = AtlasSimInterfaceState()
-    report.current_behavior = report.desired_behavior = Behavior.STAND
-    for pose, y in zip(report.foot_pos_est, (0.12, -0.12), strict=True):
-        pose.position.y = y
-    return report
 
 
 def joints_of(sim):

@@ -6,7 +6,6 @@ from itertools import pairwise
 import pytest
 
 from atlas_drake import (
-    AtlasSimInterfaceState,
     AtlasSimulation,
     Behavior,
     Gait,
@@ -42,16 +41,6 @@ VELOCITIES = {
     "turn right": (0.0, 0.0, -TURN),
     "on the spot": (0.0, 0.0, 0.0),
 }
-
-
-@pytest.fixture
-def standing():
-    """A report of a robot that stands at the origin and looks along x."""
-    report = AtlasSimInterfaceState()
-    report.current_behavior = report.desired_behavior = Behavior.STAND
-    for pose, y in zip(report.foot_pos_est, (0.12, -0.12), strict=True):
-        pose.position.y = y
-    return report
 
 
 def walking(report, steps, in_air=True):

@@ -16,10 +16,10 @@ from atlas_drake import (
 )
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.cockpit.describe import columns_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
 from atlas_drake.messages.event import MESSAGE
-from atlas_drake.records.plain import flat_numbers, flat_units
 from atlas_drake.systems.record_reader import add_listener
 
 # ---- the start, a reset, events ----------------------------------------------
@@ -128,7 +128,7 @@ class Waiting(BehaviorProtocol):
         return Waited(state[0] // 4, name=NAME)
 
 
-def test_feedback_of_a_users_behavior_needs_no_other_line(tmp_path):
+def test_feedback_of_a_users_behavior_needs_no_other_line(tmp_path, numbers_on_page):
     entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
     path = tmp_path / "run.mcap"
     with AtlasSimulation(behaviors=[entry], log=path) as sim:
@@ -137,8 +137,7 @@ def test_feedback_of_a_users_behavior_needs_no_other_line(tmp_path):
         sim.publish(AtlasSimInterfaceCommand(behavior="WAIT"))
         sim.advance(0.1)
         last = sim.record
-        shown = flat_units(sim.schema, last)
-        values = flat_numbers(sim.schema, last, shown)
+        values = numbers_on_page(sim, last)
         sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
         sim.advance(0.05)
         assert sim.record.feedback is None
@@ -186,19 +185,20 @@ def reaching(robot, scenario):
     return system
 
 
-def test_a_field_of_a_users_plan_needs_no_other_line(tmp_path):
+def test_a_field_of_a_users_plan_needs_no_other_line(tmp_path, numbers_on_page):
     path = tmp_path / "run.mcap"
     with AtlasSimulation(controller=reaching, log=path) as sim:
         sim.advance(0.05)
         record = sim.record
     assert record.plan["goal"] == [0.3, 0.0]
     np.testing.assert_array_equal(record.balance.com_reference, [0.1, 0.2])
-    shown = flat_units(sim.schema, record)
+    shown = columns_of(sim.schema, record)
     assert {"plan.goal.0", "plan.goal.1", "plan.urgency"} <= {*shown}
-    assert shown["balance.com_reference.x"] == "m"
-    values = flat_numbers(sim.schema, record, ["plan.goal.0", "feedback.none"])
+    assert shown["balance.com_reference.x"]["unit"] == "m"
+    values = numbers_on_page(sim, record)
     assert values["plan.goal.0"] == 0.3
-    assert np.isnan(values["feedback.none"])
+    assert np.isnan(values["balance.dcm_reference.x"])
+    assert "feedback.none" not in values
     log = read_log(path)
     assert log["plan.goal.0"].tolist() == [0.3] * len(log)
     urgency = [one.plan["urgency"] for one in log.records()]
