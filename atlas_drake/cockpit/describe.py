@@ -41,7 +41,7 @@ SHARES_OF_LOG = 1000
 def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
     """Describes a simulation."""
     config = sim.scenario.controller_config()
-    steps = STEPS if sim.scenario.schedule == "tutorial" else ()
+    steps = () if sim.scenario.schedule == "none" else STEPS
     return {
         **_robot(sim.robot, sim.behaviors),
         "title": sim.scenario.name,
