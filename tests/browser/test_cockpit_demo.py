@@ -34,7 +34,7 @@ def test_the_demo_shows_its_steps_until_somebody_takes_over(page):
     page.becomes("STAND")
     page.press("Take over")
     steps.wait_for(state="hidden")
-    assert page.says("Steering") == "You steer"
+    page.steering_says("You steer")
     assert page.time < STEPS[2].begin
     wait_for(lambda: page.time > STEPS[3].begin + 0.5, "the time of the walk")
     assert page.mode == "STAND"

@@ -16,31 +16,31 @@ pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 
 def test_a_second_viewer_watches_asks_and_steers(page, watching):
-    assert page.says("Steering") == "You steer"
-    assert watching.says("Steering") == "Ask to steer"
+    page.steering_says("You steer")
+    watching.steering_says("Ask to steer")
     watching.press("FREEZE")
     watching.tells("You are watching: ask for control first")
     assert watching.mode == "STAND"
     watching.press("Steering")
-    wait_for(lambda: page.says("Steering") == "Hand over", "the question")
-    wait_for(lambda: watching.says("Steering") == "Asked …", "the question itself")
+    page.steering_says("Hand over")
+    watching.steering_says("Asked …")
     page.press("Steering")
-    wait_for(lambda: watching.says("Steering") == "You steer", "the answer")
-    assert page.says("Steering") == "Ask to steer"
+    watching.steering_says("You steer")
+    page.steering_says("Ask to steer")
     watching.press("FREEZE")
     page.becomes("FREEZE")
     watching.press("Steering")
-    wait_for(lambda: page.says("Steering") == "Steer", "control that nobody has")
+    page.steering_says("Steer")  # Nobody has control.
 
 
 def test_closing_the_page_ends_a_walk_and_loses_nothing(page, watching):
     page.key("i")
     page.becomes("WALK")
     page.close()
-    wait_for(lambda: watching.says("Steering") == "Steer", "the end of the page")
+    watching.steering_says("Steer")
     watching.becomes("STAND")
     page.open()
-    assert page.says("Steering") == "You steer"
+    page.steering_says("You steer")
     assert "STAND -> WALK" in page.events()
 
 
@@ -89,7 +89,7 @@ def test_junk_neither_ends_nor_steers_a_run_and_makes_a_line_each(page, teleop):
     connections = page.see(JUNK, teleop.url.replace("http", "ws"))
     page.goes_on()
     assert page.mode == "STAND"
-    assert page.says("Steering") == "You steer"
+    page.steering_says("You steer")
     lines = teleop.printed[before:].splitlines()
     assert (
         0 < len([line for line in lines if "dropped an input" in line]) <= connections
@@ -215,9 +215,9 @@ def test_a_page_behind_another_port_works_and_runs_no_name_of_a_joint(
     assert "script-src 'self';" in policy
     other.until("cockpit.wanted.size > 0")  # Of the 3D view.
     page.press("Steering")
-    wait_for(lambda: other.says("Steering") == "Steer", "control that nobody has")
+    other.steering_says("Steer")  # Nobody has control.
     other.press("Steering")
-    wait_for(lambda: other.says("Steering") == "You steer", "control")
+    other.steering_says("You steer")
     other.page.get_by_role("button", name="l_arm", exact=True).press("Enter")
     other.button(f"{HOSTILE}: behavior").click()
     other.button(f"{HOSTILE}: yours").wait_for()
@@ -228,7 +228,7 @@ def test_a_page_behind_another_port_works_and_runs_no_name_of_a_joint(
     assert other.see(HANDLERS) == []
     assert not other.errors
     other.page.close()
-    wait_for(lambda: page.says("Steering") == "Steer", "the end of the page")
+    page.steering_says("Steer")
 
 
 HANDLERS = """[...document.querySelectorAll("*")].flatMap((e) =>
