@@ -191,13 +191,13 @@ def make_atlas_station(
     )
     pid = add(
         "joint_pid_bank",
-        JointPidBank(robot, indices, plant.num_positions(own), step, period),
+        JointPidBank(robot, plant, step, period),
     )
     ours = partial(make_whole_body_controller, entries=entries)
     source = ours if controller is None else controller
     of_controller = add_controller(builder, source, robot, scenario, catalog)
     reporter = add("interface_reporter", InterfaceReporter(robot))
-    selector = add("effort_selector", EffortSelector(robot, indices))
+    selector = add("effort_selector", EffortSelector(robot, plant))
     sensors = add(
         "robot_sensors",
         RobotSensors(robot, plant, noise, scenario.seed, step, period),
@@ -242,6 +242,7 @@ def make_atlas_station(
         builder, {name: behavior_signals[name] for name in CONTROLLER_INPUTS}
     )
     builder.Connect(signals["actuation"], plant.get_actuation_input_port(own))
+    builder.Connect(signals["desired_state"], plant.get_desired_state_input_port(own))
     builder.Connect(
         signals["applied_spatial_force"], plant.get_applied_spatial_force_input_port()
     )

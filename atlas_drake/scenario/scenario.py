@@ -50,7 +50,7 @@ from atlas_drake.scenario.terrain import START_REACH, Block, Place
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_from
 
-SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.003
+SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.0045
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
 a robot that stands under the tutorial's gains sways until it falls."""
 LARGEST_SEED = 2**64 - 1
@@ -159,8 +159,8 @@ class Scenario(CheckedOnce):
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: Positive = 0.0015
-    """Step of plant and joint controllers [s], from 1e-5 to 0.003. The field is here
+    physics_step: Positive = 0.003
+    """Step of the plant and its motors [s], from 1e-5 to 0.0045. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
     control_period: NotNegative = 0.0
     """Step of the behaviors [s], a multiple of physics_step; 0 for the multiple that is

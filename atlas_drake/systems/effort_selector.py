@@ -4,51 +4,106 @@ effort = k·user + (1 - k)·behavior with k = k_effort/255, within the effort li
 """
 
 import numpy as np
-from pydrake.systems.framework import Context
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import PdControllerGains
+from pydrake.systems.framework import Context, DependencyTicket, InputPort
 
 from atlas_drake.control.joints.blend import blend
+from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.messages.joint_command import share_of
-from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class EffortSelector(CollectableSystem):
-    """The k_effort selector. It has no state.
+    """The k_effort selector, and what it tells the plant's motors.
 
     Input ports, shape (n,), message order:
         user_effort: Efforts of the user's law [N·m].
         behavior_effort: Efforts of the behavior [N·m].
         k_effort: The user's share, 0 to 255.
+        motor_law: ``MotorLaw``, the user's part.
+        state: Positions and velocities of the robot, see ``_actuation``.
 
     Output ports:
         effort: Efforts of the motors [N·m], shape (n,), message order.
-        actuation: The same efforts in the order of the plant's actuators.
+        actuation: What the plant's motors add to spring and damping of the user's law
+            [N·m], shape (n,), in their order; they limit the sum.
+        desired_state: Set-points of spring and damping, as the plant's port takes them.
     """
 
     __slots__ = ()
 
-    def __init__(self, robot: Robot, indices: PlantIndices):
-        """Blends for a plant with the given indices."""
+    def __init__(self, robot: Robot, plant: MultibodyPlant):
+        """Blends for the motors of ``robot`` in ``plant``."""
         super().__init__()
-        n = robot.num_joints
+        n, own = robot.num_joints, robot.instance(plant)
         self._limit = robot.effort_limit
-        self._to_plant = np.argsort(indices.actuation)
+        self._to_plant = np.argsort(robot.indices(plant).actuation)
+        self._plant = plant
+        self._motors = plant.GetJointActuatorIndices(own)
+        # Stiffness and damping of the plant's motors, in message order.
+        self._gains = (np.zeros(n), np.zeros(n))
         self._user = self.DeclareVectorInputPort("user_effort", n)
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
         self._k_effort = self.DeclareVectorInputPort("k_effort", n)
-        inputs = {self.all_input_ports_ticket()}
-        self.declare_vector_output("effort", n, self._blend, inputs)
+        self._law = self.declare_value_input("motor_law")
+        state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
+        self.declare_vector_output("effort", n, self._blend)
+        sources = self._of(self._behavior, self._k_effort, self._law)
+        self._given = self.declare_cached("given efforts", self._efforts, sources)
+        sources = {*self._of(state), self._given.ticket()}
+        self.declare_vector_output("actuation", n, self._actuation, sources)
         self.declare_vector_output(
-            "actuation",
-            n,
-            lambda context: self._blend(context).take(self._to_plant),
-            inputs,
+            "desired_state", 2 * n, self._desired_state, self._of(self._law)
         )
+
+    def _of(self, *ports: InputPort) -> set[DependencyTicket]:
+        return {self.input_port_ticket(port.get_index()) for port in ports}
 
     def _blend(self, context: Context) -> np.ndarray:
         k_effort = self._k_effort.Eval(context)
         behavior = self._behavior.Eval(context)
-        # Without a user share the user's efforts need no evaluation, which saves time
-        # at every physics step.
+        # Without a user share the user's efforts need no evaluation.
         user = self._user.Eval(context) if np.count_nonzero(k_effort) else behavior
         return blend(user, behavior, share_of(k_effort), self._limit)
+
+    def _actuation(self, context: Context) -> np.ndarray:
+        """Returns the efforts, after the plant's motors were given the law's gains.
+
+        Drake keeps gains in the plant and not in the Context. It reads them after this
+        port whenever it prepares a step, and the port's value lasts as long as the
+        state: each step has the gains of its own Context, in whatever order Contexts
+        take turns. Only two threads must not step Contexts of one plant at once.
+        """
+        law: MotorLaw = self._law.Eval(context)
+        self._give_gains(law.stiffness, law.damping)
+        return self._given.Eval(context)
+
+    def _efforts(self, context: Context) -> np.ndarray:
+        law: MotorLaw = self._law.Eval(context)
+        rest = 1.0 - share_of(self._k_effort.Eval(context))
+        effort = law.feed_forward + rest * self._behavior.Eval(context)
+        # Motors without gains do not limit what they are told to give.
+        limited = np.minimum(np.maximum(effort, -self._limit), self._limit)
+        has_gains = law.stiffness + law.damping > 0.0
+        return np.where(has_gains, effort, limited).take(self._to_plant)
+
+    def _give_gains(self, stiffness: np.ndarray, damping: np.ndarray) -> None:
+        known_stiffness, known_damping = self._gains
+        if stiffness is known_stiffness and damping is known_damping:
+            return
+        gains = zip(
+            self._motors,
+            stiffness[self._to_plant].tolist(),
+            damping[self._to_plant].tolist(),
+            strict=True,
+        )
+        for index, p, d in gains:
+            motor = self._plant.get_mutable_joint_actuator(index)
+            motor.set_controller_gains(PdControllerGains(p=p, d=d))
+        self._gains = stiffness, damping
+
+    def _desired_state(self, context: Context) -> np.ndarray:
+        position = self._law.Eval(context).position[self._to_plant]
+        return np.concatenate([position, np.zeros_like(position)])

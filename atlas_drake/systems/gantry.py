@@ -16,6 +16,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
@@ -39,7 +40,9 @@ class Gantry(CollectableSystem):
 
     Input ports:
         state: Positions and velocities of the robot.
-        actuation: Efforts of the motors, in the order of the actuators [N·m].
+        actuation: Efforts of the motors without the springs and dampers of the user's
+            law, in the order of the actuators [N·m].
+        motor_law: ``MotorLaw``, those springs and dampers.
         foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
@@ -65,10 +68,11 @@ class Gantry(CollectableSystem):
         self._instance = own = robot.instance(plant)
         places = np.arange(plant.num_velocities(), dtype=float)
         in_plant = plant.GetVelocitiesFromArray(own, places).astype(int)
-        self._base = in_plant[robot.indices(plant).generalized[:6]]
-        motors = np.arange(plant.num_actuated_dofs(), dtype=float)
-        motors = plant.GetActuationFromArray(own, motors).astype(int)
-        self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())[:, motors]
+        self._indices = indices = robot.indices(plant)
+        self._base = in_plant[indices.generalized[:6]]
+        self._joints = in_plant[indices.v]
+        self._in_state = plant.num_positions(own)
+        self._limit = robot.effort_limit
         self._soles = robot.soles(plant)
         # An index, because a body holds its plant where the garbage collector cannot
         # see it.
@@ -79,6 +83,7 @@ class Gantry(CollectableSystem):
         self._actuation_input = self.DeclareVectorInputPort(
             "actuation", robot.num_joints
         )
+        self._law_input = self.declare_value_input("motor_law")
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
@@ -177,7 +182,10 @@ class Gantry(CollectableSystem):
         plant.CalcForceElementsContribution(scratch, inside)
         rest = np.zeros(plant.num_velocities())
         force = -plant.CalcInverseDynamics(scratch, rest, inside)
-        force += self._actuation_matrix @ self._actuation_input.Eval(context)
+        effort, damping = self._motors(context)
+        force[self._joints] += effort
+        mass = plant.CalcMassMatrix(scratch)
+        mass[self._joints, self._joints] += self._dt * damping
         wrenches = self._wrench_input.Eval(context)
         for sole, wrench in zip(self._soles, wrenches.reshape(2, 6), strict=True):
             if wrench.any():
@@ -188,8 +196,23 @@ class Gantry(CollectableSystem):
             J = self._jacobian(scratch, frame, other.p_BoBq_B)
             force += J.T @ other.F_Bq_W.get_coeffs()
         given = np.column_stack([force, np.eye(len(force))[:, self._base]])
-        answer = np.linalg.solve(plant.CalcMassMatrix(scratch), given)[self._base]
+        answer = np.linalg.solve(mass, given)[self._base]
         return answer[:, 0], answer[:, 1:]
+
+    def _motors(self, context: Context) -> tuple[np.ndarray, np.ndarray]:
+        """Computes the motors' efforts at the present velocity, and their damping.
+
+        Both in message order, [N·m] and [N·m·s/rad]; a motor at its limit does not
+        damp. As Drake's solver has it, springs act on the position after the step.
+        """
+        law: MotorLaw = self._law_input.Eval(context)
+        state, indices = self._state_input.Eval(context), self._indices
+        q, v = state[indices.q], state[self._in_state + indices.v]
+        damping = law.damping + self._dt * law.stiffness
+        given = self._actuation_input.Eval(context)[indices.actuation]
+        effort = given + law.stiffness * (law.position - q) - damping * v
+        limited = np.clip(effort, -self._limit, self._limit)
+        return limited, np.where(limited == effort, damping, 0.0)
 
     def _jacobian(self, scratch: Context, frame: Frame, p: np.ndarray) -> np.ndarray:
         """Computes the Jacobian of a frame's point, spatial, in W, shape (6, nv)."""
@@ -212,8 +235,8 @@ def implicit_pull(
 
     F_static is the force without the dampers [N·m; N], D their coefficients [N·m·s/rad;
     N·s/m], h·Λ the change of velocity per force, shape (6, 6). V_free has to contain
-    the effect of the motors in the step: joint damping of similar stiffness would be
-    unstable with a damper on the pelvis' present velocity.
+    the effect of the motors in the step, and Λ that of their damping: joint damping of
+    similar stiffness would be unstable with a damper on the pelvis' present velocity.
     """
     return np.linalg.solve(
         np.eye(6) + damping[:, None] * response, static - damping * free

@@ -1,83 +1,60 @@
-"""The PID controllers of user mode, one per joint, at the physics rate.
+"""The PID controllers of user mode, one per joint.
 
-The law is ``control.joints.joint_pid``; this is its system in the diagram.
+The law is ``control.joints.joint_pid``. The plant's own motors carry it out in every
+physics step, together with contact; ``EffortSelector`` gives it to them.
 """
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiscreteValues, State
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
 from atlas_drake.control.joints.joint_pid import (
-    InverseMass,
-    PidState,
-    StepModel,
-    change_without_user,
+    MotorLaw,
+    constant_effort,
     integrate,
-    static_effort,
-    step_model,
+    motor_law,
+    step_damping,
     user_effort,
     within_limits,
 )
-from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
+from atlas_drake.frozen import NOTHING, Frozen, read_only
 from atlas_drake.messages.joint_command import JointCommand
-from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-
-MOVED = 0.1
-"""Refresh the model when a joint has moved farther than this [rad]."""
-REFRESH_PERIOD = 0.01
-"""Least time between two refreshes of the model [s]."""
-_PID_FIELDS = [field.name for field in fields(PidState)]
 
 
 @dataclass(frozen=True)
 class PreparedLaw(Frozen):
-    """Data of the law that change seldom, computed for a command and a pose."""
+    """The law for a command and an integral, as it changes seldom."""
 
-    time: float  # At which the data were computed [s].
     source: JointCommand
-    q: np.ndarray  # Joint positions [rad].
     command: JointCommand  # ``source`` ``within_limits`` of the joints.
-    rest: np.ndarray  # 1 - k, the behavior's share of each joint.
-    active: np.ndarray  # True for each joint with k > 0.
-    offset: np.ndarray  # Static effort at joint positions zero, no integral [N·m].
-    integrates: bool  # True if any joint has an integral term.
-    model: StepModel  # Response of velocities to efforts.
-
-    def static_effort(self, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """Computes ``static_effort`` of the command from the precomputed offset."""
-        return self.offset - self.command.kp_position * q + integral
-
-
-@dataclass(frozen=True)
-class PidStep:
-    """Result of one step: the next state, and the present user's effort [N·m]."""
-
-    after: PidState
-    effort: np.ndarray
+    integral: np.ndarray  # Of the position error times its gain [N·m], shape (n,).
+    active: np.ndarray  # True for each joint with a user share.
+    motors: MotorLaw
 
 
 class JointPidBank(CollectableSystem):
-    """Set-points, gains and measured joints in, the user's efforts out.
+    """Set-points and gains in, the law of the plant's motors out.
 
     Input ports:
         state: Positions and velocities of the robot, in plant order.
+        acceleration: Generalized accelerations of the robot, in the order of its
+            velocities: the step that the plant makes from the present state.
         joint_command: ``JointCommand``
-        behavior_effort: Efforts of the behavior, before the blend [N·m], shape (n,).
 
     Output ports:
-        user_effort: Efforts of the user's control law [N·m], shape (n,), message
-            order; 0 for joints with share 0. They are not limited: the effort limit
-            applies to their blend with the behavior's efforts.
+        motor_law: ``MotorLaw``; zero without a user share.
+        user_effort: Efforts of the user's law in the step from the present state [N·m],
+            shape (n,), message order; 0 for joints with share 0. They are not limited:
+            the effort limit applies to their blend with the behavior's efforts.
         user_forecast: ``UserForecast`` for the coming control tick.
 
-    State: the fields of ``PidState``, updated at every physics step in which the user
-    has a share, with NaN for a velocity that is not known; the prepared law,
-    updated at a control tick when pose or commands have changed; the behavior's
-    efforts since the last control tick.
+    State, updated at control ticks: the prepared law with its integrals, and by how
+    much the user's efforts exceeded the motors' limits in the step from the last tick.
     """
 
     __slots__ = ()
@@ -85,182 +62,122 @@ class JointPidBank(CollectableSystem):
     def __init__(
         self,
         robot: Robot,
-        indices: PlantIndices,
-        num_positions: int,
+        plant: MultibodyPlant,
         physics_step: float,
         control_period: float,
     ):
-        """Runs every ``physics_step`` [s] on a plant with the given indices.
-
-        The forecast is for the coming ``control_period`` [s].
-        """
+        """Controls the motors of ``robot`` in ``plant``; step and period in [s]."""
         super().__init__()
         n = robot.num_joints
         self._robot = robot
-        self._limit = robot.effort_limit
-        self._q = indices.q
-        self._v = num_positions + indices.v
-        self._dt = physics_step
-        self._control_period = control_period
-        self._inverse_mass = InverseMass(robot)
-        self._num_positions = num_positions
-        num_states = num_positions + len(indices.generalized)
-        self._state_input = self.DeclareVectorInputPort("state", num_states)
+        self._step, self._period = physics_step, control_period
+        indices, own = robot.indices(plant), robot.instance(plant)
+        self._q, self._v = indices.q, indices.v
+        self._v_state = plant.num_positions(own) + indices.v
+        self._nothing = nothing = read_only(np.zeros(n))
+        self._no_law = MotorLaw(nothing, nothing, nothing, nothing)
+        self._state_input = self.DeclareVectorInputPort(
+            "state", plant.num_multibody_states(own)
+        )
+        self._acceleration_input = self.DeclareVectorInputPort(
+            "acceleration", plant.num_velocities(own)
+        )
         self._command_input = self.declare_value_input("joint_command")
-        self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
-        # The fields of ``PidState`` in their order: one vector is read at once.
-        self._at_start = np.zeros(len(_PID_FIELDS) * n)
-        self._at_start[n : 2 * n] = np.nan
-        self._memory = self.DeclareDiscreteState(self._at_start)
-        self._nothing = read_only(np.zeros(n))
-        # Output and update read the same step.
-        self._step = self.declare_cached(
-            "one step of the law",
-            self._compute_step,
-            {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
-        )
-        self.declare_value_output("user_forecast", self._forecast)
-        self.declare_vector_output(
-            "user_effort", n, self._effort, {self._step.ticket()}
-        )
-        self._scratch = self.declare_scratch_context(self._inverse_mass.create_context)
         self._prepared = self.declare_value_state(NOTHING)
-        self._carried = self.DeclareDiscreteState(n)
-        self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
-        self.DeclarePeriodicDiscreteUpdateEvent(
-            control_period, 0.0, self._update_carried
+        self._excess = self.DeclareDiscreteState(n)
+        command = self.input_port_ticket(self._command_input.get_index())
+        state = self.input_port_ticket(self._state_input.get_index())
+        sources = {command, self.xa_ticket()}
+        self.declare_value_output("motor_law", self._motor_law, sources)
+        self._effort = self.declare_vector_output("user_effort", n, self._user_effort)
+        self.declare_value_output(
+            "user_forecast", self._forecast, {*sources, state, self.xd_ticket()}
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
         )
+        self.DeclarePeriodicDiscreteUpdateEvent(
+            control_period, 0.0, self._update_excess
+        )
 
     def reset(self, context: Context) -> None:
         """Clears the state of the law, its integrals included."""
-        context.SetDiscreteState(self._memory, self._at_start)
-        context.SetDiscreteState(self._carried, self._nothing)
         self._prepared.set(context, NOTHING)
+        context.SetDiscreteState(self._excess, self._nothing)
 
-    def _compute_step(self, context: Context) -> PidStep:
+    def _in_force(self, context: Context) -> PreparedLaw | None:
+        """Returns the law in force; None while the user has no share of any joint."""
         source: JointCommand = self._command_input.Eval(context)
-        state = self._state_input.Eval(context)
-        v = state.take(self._v)
-        last = self._remembered(context)
-        q = state.take(self._q)
-        law = self._law(context, source)
-        integral = last.integral
-        if law.integrates or integral.any():
-            integral = integrate(last, law.command, q, law.active, self._dt)
-        others = law.rest * self._behavior_input.Eval(context)
-        static = law.static_effort(integral, q)
-        if math.isnan(last.velocity[0]):
-            # Joints that the behavior moved, at a steady velocity. The law knows what
-            # their motors carried: weight and ground forces that balanced the
-            # behavior's efforts will balance those of the user.
-            carried = context.get_discrete_state(self._carried).value()
-            applied = np.clip(carried, -self._limit, self._limit)
-            last = replace(last, velocity=v, applied=applied, static=static)
-        idle = change_without_user(last, static, v, others, law.model)
-        effort, total = user_effort(static, v + idle, others, law.model, self._limit)
-        expected = idle + law.model.response @ (total - others)
-        after = PidState(integral, v, total, expected, static)
-        return PidStep(after, effort * law.active)
-
-    def _effort(self, context: Context) -> np.ndarray:
-        idle = self._is_idle(context)
-        return self._nothing if idle else self._step.Eval(context).effort
-
-    def _is_idle(self, context: Context) -> bool:
-        """Returns True while the user has no share of any joint."""
-        source: JointCommand = self._command_input.Eval(context)
-        return not source.has_user
-
-    def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        if not self._is_idle(context):
-            after = self._step.Eval(context).after
-            values = [getattr(after, name) for name in _PID_FIELDS]
-            discrete.set_value(self._memory, np.concatenate(values))
-            return
-        before = context.get_discrete_state(self._memory).value()
-        n = len(self._nothing)
-        # Without a share the state is set once: this runs at every physics step.
-        if not math.isnan(before[n]):
-            # Velocity and efforts of the last step are not kept.
-            after = self._at_start.copy()
-            after[:n] = before[:n]
-            discrete.set_value(self._memory, after)
-
-    def _update_carried(self, context: Context, discrete: DiscreteValues) -> None:
-        discrete.set_value(self._carried, self._behavior_input.Eval(context))
-
-    def _remembered(self, context: Context) -> PidState:
-        """Returns the state, with NaN for velocities before the first step."""
-        values = context.get_discrete_state(self._memory).value()
-        return PidState(*values.reshape(len(_PID_FIELDS), -1))
-
-    def _forecast(self, context: Context) -> UserForecast:
-        if self._is_idle(context):
-            return UserForecast(*[self._nothing] * 3)
-        source: JointCommand = self._command_input.Eval(context)
-        state = self._state_input.Eval(context)
-        law = self._law(context, source)
-        v = state.take(self._v)
-        integral = self._remembered(context).integral
-        static = law.static_effort(integral, state.take(self._q))
-        damping, limit, excess = law.model.damping, self._limit, self._nothing
-        # Solve the implicit law only if the static or the explicit one exceeds the
-        # limit of a joint of which the user has a share.
-        explicit = static - damping * v
-        if any((np.abs(e) > limit)[law.active].any() for e in (static, explicit)):
-            effort = self._step.Eval(context).effort
-            excess = effort - np.clip(effort, -limit, limit)
-        return forecast_user_effort(
-            static,
-            law.command.kp_position,
-            damping,
-            v,
-            excess,
-            self._control_period,
-            self._dt,
-        )
-
-    def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
-        """Returns the prepared law, computed again if the command has changed."""
+        if not source.has_user:
+            return None
         known = self._prepared.get(context)
         if known is not NOTHING and known.source is source:
             return known
-        return self._prepare(context, source)
+        return self._prepare(
+            source, self._nothing if known is NOTHING else known.integral
+        )
 
-    def _prepare(self, context: Context, source: JointCommand) -> PreparedLaw:
+    def _prepare(self, source: JointCommand, integral: np.ndarray) -> PreparedLaw:
         robot = self._robot
-        state = self._state_input.Eval(context)
-        inverse_mass = self._inverse_mass.evaluate(
-            self._scratch.Eval(context), state[: self._num_positions]
-        )
         command = within_limits(source, robot.position_lower, robot.position_upper)
-        damping = command.kd_position + command.kp_velocity
-        share = source.share
-        return PreparedLaw(
-            time=context.get_time(),
-            source=source,
-            q=state[self._q],
-            command=command,
-            rest=1.0 - share,
-            active=share > 0.0,
-            offset=static_effort(command, self._nothing, self._nothing),
-            integrates=bool(command.i_effort_min.any() or command.i_effort_max.any()),
-            model=step_model(
-                command.kp_position, damping, share, inverse_mass, self._dt
-            ),
+        motors = motor_law(command, integral, self._step)
+        return PreparedLaw(source, command, integral, source.share > 0.0, motors)
+
+    def _motor_law(self, context: Context) -> MotorLaw:
+        law = self._in_force(context)
+        return self._no_law if law is None else law.motors
+
+    def _user_effort(self, context: Context) -> np.ndarray:
+        law = self._in_force(context)
+        if law is None:
+            return self._nothing
+        state = self._state_input.Eval(context)
+        acceleration = self._acceleration_input.Eval(context).take(self._v)
+        v_next = state.take(self._v_state) + self._step * acceleration
+        effort = user_effort(
+            law.command, law.integral, state.take(self._q), v_next, self._step
         )
+        return effort * law.active
+
+    def _forecast(self, context: Context) -> UserForecast:
+        law = self._in_force(context)
+        if law is None:
+            return UserForecast(*[self._nothing] * 3)
+        state, command = self._state_input.Eval(context), law.command
+        v, damping = state.take(self._v_state), step_damping(command, self._step)
+        spring = command.kp_position * (command.position - state.take(self._q))
+        static = spring + constant_effort(command, law.integral)
+        # A damper may exceed the limit now and be at rest within the step: it counts if
+        # it did so in the last step, too, or has a spring to hold.
+        excess = self._beyond_limit(static - damping * v)
+        before = context.get_discrete_state(self._excess).value()
+        held = (excess * before > 0.0) | (excess * self._beyond_limit(static) > 0.0)
+        return forecast_user_effort(
+            static,
+            command.kp_position,
+            damping,
+            v,
+            excess * held,
+            self._period,
+            self._step,
+        )
+
+    def _beyond_limit(self, effort: np.ndarray) -> np.ndarray:
+        limit = self._robot.effort_limit
+        return effort - np.minimum(np.maximum(effort, -limit), limit)
 
     def _update_law(self, context: Context, state: State) -> None:
-        if self._is_idle(context):
+        law = self._in_force(context)
+        if law is None:
             return
-        source: JointCommand = self._command_input.Eval(context)
-        known = self._prepared.get(context)
-        if known is not NOTHING and known.source is source:
+        if law.command.ki_position.any() or law.integral.any():
             q = self._state_input.Eval(context)[self._q]
-            is_due = context.get_time() >= known.time + REFRESH_PERIOD - 1e-9
-            if not (is_due and np.abs(q - known.q).max() > MOVED):
-                return
-        self._prepared.set(state, self._prepare(context, source))
+            integral = integrate(law.integral, law.command, q, self._period)
+            law = self._prepare(law.source, read_only(integral))
+        if law is not self._prepared.get(context):
+            self._prepared.set(state, law)
+
+    def _update_excess(self, context: Context, discrete: DiscreteValues) -> None:
+        if self._in_force(context) is not None:
+            excess = self._beyond_limit(self._effort.Eval(context))
+            discrete.set_value(self._excess, excess)

@@ -15,11 +15,11 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class RunStatistics(CollectableSystem):
-    """State and actuation in, their peaks so far out.
+    """State and efforts in, their peaks so far out.
 
     Input ports:
         state: Positions and velocities of the robot.
-        actuation: Efforts of the motors [N·m], shape (n,), in plant order.
+        effort: Efforts of the motors [N·m], shape (n,), message order.
 
     Output ports:
         peaks: Peak effort of each joint as a share of its limit, then the lowest
@@ -34,21 +34,18 @@ class RunStatistics(CollectableSystem):
         """Updates the peaks every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
-        self._order = indices.actuation
         self._pelvis = indices.pelvis
         self._per_limit = 1.0 / robot.effort_limit
         self._state = self.DeclareVectorInputPort("state", num_states)
-        self._actuation = self.DeclareVectorInputPort("actuation", n)
+        self._effort = self.DeclareVectorInputPort("effort", n)
         start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
         self._peaks = self.DeclareDiscreteState(start)
-        self.declare_vector_output(
-            "peaks", n + 2, self._in_message_order, {self.xd_ticket()}
-        )
+        self.declare_vector_output("peaks", n + 2, self._per_limits, {self.xd_ticket()})
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _in_message_order(self, context: Context) -> np.ndarray:
+    def _per_limits(self, context: Context) -> np.ndarray:
         peaks = context.get_discrete_state(self._peaks).value().copy()
-        peaks[:-2] = peaks[self._order] * self._per_limit
+        peaks[:-2] *= self._per_limit
         return peaks
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
@@ -58,7 +55,7 @@ class RunStatistics(CollectableSystem):
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
         after = context.get_discrete_state(self._peaks).value().copy()
         peaks = after[:-2]
-        np.maximum(peaks, np.abs(self._actuation.Eval(context)), out=peaks)
+        np.maximum(peaks, np.abs(self._effort.Eval(context)), out=peaks)
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
         discrete.set_value(self._peaks, after)

@@ -107,7 +107,7 @@ class TickRecorder(CollectableSystem):
         size = self._model.num_multibody_states()
         self.sizes = {"state": size, "behavior_state": size, "contact_wrenches": 24}
         # Signals that the plant's step at the tick needs anyway.
-        self.sizes |= {"acceleration": self._model.num_velocities(), "actuation": n}
+        self.sizes |= {"acceleration": self._model.num_velocities(), "effort": n}
         self.sizes |= dict.fromkeys(("user_effort", "behavior_effort"), n)
         if beside:
             self.sizes["plant_state"] = plant.num_multibody_states()
@@ -246,7 +246,7 @@ class TickRecorder(CollectableSystem):
             joints=Joints(
                 measured[self._indices.q],
                 measured[num_q + self._indices.v],
-                read_only(latched["actuation"][self._indices.actuation]),
+                latched["effort"],
                 latched["user_effort"],
                 latched["behavior_effort"],
                 setpoints["position"],

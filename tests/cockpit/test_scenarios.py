@@ -24,7 +24,7 @@ def settings():
 
 def test_a_setting_has_unit_bounds_and_usual_value(settings):
     step = settings["physics_step"]
-    assert (step["value"], step["usual"], step["unit"]) == ("0.0015", "0.0015", "s")
+    assert (step["value"], step["usual"], step["unit"]) == ("0.003", "0.003", "s")
     told = step["kind"], step["bounds"], step["needs"]
     assert told == ("number", "> 0", "a restart")
     assert settings["jitter.mass"]["bounds"] == "≥ 0, < 1"

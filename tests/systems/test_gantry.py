@@ -6,8 +6,10 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.tree import PdControllerGains
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
+from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario import Start
 from atlas_drake.scenario.scenario import GantryGains
@@ -47,6 +49,7 @@ class Hanging:
         v = random.uniform(-0.5, 0.5, plant.num_velocities())
         plant.SetVelocities(self.context, v)
         self.actuation = 0.1 * robot.effort_limit.min() * random.uniform(-1, 1, 28)
+        self.motor_law = self.springs(random)
         self.push = ExternallyAppliedSpatialForce()
         foot = plant.GetBodyByName(robot.file.feet[0].body)
         self.push.body_index = foot.index()
@@ -56,10 +59,26 @@ class Hanging:
         for name, value in (
             ("state", state),
             ("actuation", self.actuation),
+            ("motor_law", self.motor_law),
             ("foot_wrenches", np.zeros(12)),
             ("other_spatial_force", AbstractValue.Make([self.push])),
         ):
             self.feed(name, value)
+
+    def springs(self, random):
+        """Gives the motors springs and dampers within their limits; returns the law."""
+        limit, actuators = self.robot.effort_limit, self.plant.GetJointActuatorIndices()
+        stiffness, damping, away = random.uniform(0.0, 1.0, (3, 28))
+        q = self.plant.GetPositions(self.context)[self.robot.indices(self.plant).q]
+        law = MotorLaw(
+            2.0 * limit * stiffness, 0.2 * limit * damping, q + 0.2 * away, np.zeros(28)
+        )
+        for index in actuators:
+            motor = self.plant.get_mutable_joint_actuator(index)
+            joint = self.robot.joint_index(motor.joint().name())
+            gains = PdControllerGains(p=law.stiffness[joint], d=law.damping[joint])
+            motor.set_controller_gains(gains)
+        return law
 
     def feed(self, name, value):
         self.gantry.GetInputPort(name).FixValue(self.own, value)
@@ -78,6 +97,13 @@ class Hanging:
         """Springs, weight and dampers at the velocity after Drake's step, (6,)."""
         plant, context = self.plant, self.context.Clone()
         plant.get_actuation_input_port().FixValue(context, self.actuation)
+        position = self.motor_law.position[
+            np.argsort(self.robot.indices(plant).actuation)
+        ]
+        own = self.robot.instance(plant)
+        plant.get_desired_state_input_port(own).FixValue(
+            context, np.concatenate([position, np.zeros(28)])
+        )
         port = plant.get_applied_spatial_force_input_port()
         port.FixValue(context, AbstractValue.Make(list(self.forces)))
         context.SetDiscreteState(plant.EvalUniquePeriodicDiscreteUpdate(context))

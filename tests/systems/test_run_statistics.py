@@ -25,10 +25,10 @@ def test_peaks_are_peaks_in_message_order(robot):
         quaternion = [np.cos(0.5 * tilt), 0.0, np.sin(0.5 * tilt), 0.0]
         state[indices.pelvis.orientation] = quaternion
         state[indices.pelvis.position] = [0.0, 0.0, height]
-        actuation = np.zeros(robot.num_joints)
-        actuation[indices.actuation[elbow]] = effort
+        efforts = np.zeros(robot.num_joints)
+        efforts[elbow] = effort
         system.GetInputPort("state").FixValue(context, state)
-        system.GetInputPort("actuation").FixValue(context, actuation)
+        system.GetInputPort("effort").FixValue(context, efforts)
         simulator.AdvanceTo((tick + 0.5) * TICK)
     peaks = np.zeros(robot.num_joints)
     peaks[elbow] = 0.5
