@@ -58,7 +58,17 @@ def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
 
     The inverse of ``yaw_of`` and ``tilt_of``.
     """
-    return rotation_z(yaw) @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
+    roll, pitch = tilt.tolist()
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
 
 
 def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
@@ -66,8 +76,16 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
     c, s = math.cos(yaw), math.sin(yaw)
     nx, ny, nz = normal.tolist()
     slope = -(c * nx + s * ny) / nz
-    x = np.array([c, s, slope]) / math.sqrt(1.0 + slope * slope)
-    return np.column_stack([x, cross(normal, x), normal])
+    shrink = 1.0 / math.sqrt(1.0 + slope * slope)
+    x, y, z = c * shrink, s * shrink, slope * shrink
+    # The second column is the cross product of the third and the first.
+    return np.array(
+        [
+            [x, ny * z - nz * y, nx],
+            [y, nz * x - nx * z, ny],
+            [z, nx * y - ny * x, nz],
+        ]
+    )
 
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:

@@ -307,9 +307,9 @@ class Supervisor:
         self, state: SupervisorState, active: Running, observation: Observation
     ) -> tuple[SupervisorState, Running]:
         """Warns once if a behavior steps with leg joints under user control."""
-        held = self._legs[observation.user_held[self._legs]]
-        if not held.size:
+        if not observation.user_held[self._legs].any():
             return state, active
+        held = self._legs[observation.user_held[self._legs]]
         names = ", ".join(self._tools.robot.joint_names[i] for i in held)
         text = f"{active.behavior.name} with leg joints under user control: {names}"
         state = state.with_event(Event(observation.time, "warning", text))

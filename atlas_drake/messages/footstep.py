@@ -8,6 +8,7 @@ its bottom plane, x to the toes, z along the sole's normal. The limits of a step
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -105,10 +106,11 @@ class Footstep(Frozen):
         p_WF = points(self.p_WF, "p_WF", (3,))
         object.__setattr__(self, "p_WF", p_WF)
 
-    @property
+    @cached_property
     def pose(self) -> FootPose:
-        """The landing pose of a step whose height is in W."""
-        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
+        """The landing pose of a step whose height is in W; read-only."""
+        R_WF = rotation_with_normal(self.yaw, self.normal)
+        return FootPose(self.p_WF, read_only(R_WF))
 
 
 def points(given: object, name: str, shape: tuple[int, ...]) -> np.ndarray:

@@ -34,6 +34,11 @@ class JointCommand(Frozen):
     # Read many times between two commands.
 
     @cached_property
+    def numbers(self) -> np.ndarray:
+        """All values, in the order of ``JOINT_FIELDS``, shape (10·n,); read-only."""
+        return read_only(np.concatenate([getattr(self, name) for name in JOINT_FIELDS]))
+
+    @cached_property
     def share(self) -> np.ndarray:
         """The user's blend weight k of each joint, 0 to 1, shape (n,); read-only."""
         return read_only(share_of(self.k_effort))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import SceneGraphInspector
@@ -40,9 +39,9 @@ def contact_wrenches(
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
 
-    def add(place: int, sign: float, point: Any, force: Any) -> None:
-        x, y, z = point.tolist()
-        fx, fy, fz = (sign * force).tolist()
+    def add(place: int, point: list[float], force: list[float]) -> None:
+        x, y, z = point
+        fx, fy, fz = force
         total = totals[place]
         total[0] += y * fz - z * fy
         total[1] += z * fx - x * fz
@@ -54,10 +53,15 @@ def contact_wrenches(
     for k in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(k)
         # The force is that on body B.
-        for body, sign in ((info.bodyB_index(), 1.0), (info.bodyA_index(), -1.0)):
-            place = bodies.get(int(body))
-            if place is not None:
-                add(place, sign, info.contact_point(), info.contact_force())
+        on_A = bodies.get(int(info.bodyA_index()))
+        on_B = bodies.get(int(info.bodyB_index()))
+        if on_A is None and on_B is None:
+            continue
+        point, force = info.contact_point().tolist(), info.contact_force().tolist()
+        if on_B is not None:
+            add(on_B, point, force)
+        if on_A is not None:
+            add(on_A, point, [-f for f in force])
     for k in range(results.num_hydroelastic_contacts()):
         info = results.hydroelastic_contact_info(k)
         surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
@@ -65,7 +69,8 @@ def contact_wrenches(
         for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
             place = shapes.get(shape.get_value())
             if place is not None:
-                add(place, sign, surface.centroid(), F_Ac_W.translational())
+                force = (sign * F_Ac_W.translational()).tolist()
+                add(place, surface.centroid().tolist(), force)
                 for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):
                     totals[place][axis] += moment
     return totals

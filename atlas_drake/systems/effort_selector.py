@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.framework import Context, DependencyTicket, InputPort
 
-from atlas_drake.control.joints.blend import blend
+from atlas_drake.control.joints.blend import blend, limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.messages.joint_command import share_of
 from atlas_drake.robot import Robot
@@ -42,8 +42,8 @@ class EffortSelector(CollectableSystem):
         self._to_plant = np.argsort(robot.indices(plant).actuation)
         self._plant = plant
         self._motors = plant.GetJointActuatorIndices(own)
-        # Stiffness and damping of the plant's motors, in message order.
-        self._gains = (np.zeros(n), np.zeros(n))
+        # The law whose gains the plant's motors have; None for none.
+        self._known: MotorLaw | None = None
         self._user = self.DeclareVectorInputPort("user_effort", n)
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
         self._k_effort = self.DeclareVectorInputPort("k_effort", n)
@@ -65,8 +65,11 @@ class EffortSelector(CollectableSystem):
         k_effort = self._k_effort.Eval(context)
         behavior = self._behavior.Eval(context)
         # Without a user share the user's efforts need no evaluation.
-        user = self._user.Eval(context) if np.count_nonzero(k_effort) else behavior
-        return blend(user, behavior, share_of(k_effort), self._limit)
+        if not k_effort.any():
+            return limited(behavior, self._limit)
+        return blend(
+            self._user.Eval(context), behavior, share_of(k_effort), self._limit
+        )
 
     def _actuation(self, context: Context) -> np.ndarray:
         """Returns the efforts, after the plant's motors were given the law's gains.
@@ -76,33 +79,33 @@ class EffortSelector(CollectableSystem):
         state: each step has the gains of its own Context, in whatever order Contexts
         take turns. Only two threads must not step Contexts of one plant at once.
         """
-        law: MotorLaw = self._law.Eval(context)
-        self._give_gains(law.stiffness, law.damping)
-        return self._given.Eval(context)
+        law, effort = self._given.Eval(context)
+        if law is not self._known:
+            self._give_gains(law)
+        return effort
 
-    def _efforts(self, context: Context) -> np.ndarray:
+    def _efforts(self, context: Context) -> tuple[MotorLaw, np.ndarray]:
         law: MotorLaw = self._law.Eval(context)
-        rest = 1.0 - share_of(self._k_effort.Eval(context))
-        effort = law.feed_forward + rest * self._behavior.Eval(context)
+        k_effort, behavior = self._k_effort.Eval(context), self._behavior.Eval(context)
+        if not k_effort.any():
+            return law, limited(behavior, self._limit).take(self._to_plant)
+        effort = law.feed_forward + (1.0 - share_of(k_effort)) * behavior
         # Motors without gains do not limit what they are told to give.
-        limited = np.minimum(np.maximum(effort, -self._limit), self._limit)
         has_gains = law.stiffness + law.damping > 0.0
-        return np.where(has_gains, effort, limited).take(self._to_plant)
+        effort = np.where(has_gains, effort, limited(effort, self._limit))
+        return law, effort.take(self._to_plant)
 
-    def _give_gains(self, stiffness: np.ndarray, damping: np.ndarray) -> None:
-        known_stiffness, known_damping = self._gains
-        if stiffness is known_stiffness and damping is known_damping:
-            return
+    def _give_gains(self, law: MotorLaw) -> None:
         gains = zip(
             self._motors,
-            stiffness[self._to_plant].tolist(),
-            damping[self._to_plant].tolist(),
+            law.stiffness[self._to_plant].tolist(),
+            law.damping[self._to_plant].tolist(),
             strict=True,
         )
         for index, p, d in gains:
             motor = self._plant.get_mutable_joint_actuator(index)
             motor.set_controller_gains(PdControllerGains(p=p, d=d))
-        self._gains = stiffness, damping
+        self._known = law
 
     def _desired_state(self, context: Context) -> np.ndarray:
         position = self._law.Eval(context).position[self._to_plant]

@@ -10,7 +10,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiscreteValues, State
 
-from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
+from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort, limited
 from atlas_drake.control.joints.joint_pid import (
     MotorLaw,
     constant_effort,
@@ -163,8 +163,7 @@ class JointPidBank(CollectableSystem):
         )
 
     def _beyond_limit(self, effort: np.ndarray) -> np.ndarray:
-        limit = self._robot.effort_limit
-        return effort - np.minimum(np.maximum(effort, -limit), limit)
+        return effort - limited(effort, self._robot.effort_limit)
 
     def _update_law(self, context: Context, state: State) -> None:
         law = self._in_force(context)

@@ -185,7 +185,7 @@ class TickRecorder(CollectableSystem):
             [
                 (context.get_time(),),
                 self._numbers.Eval(context),
-                *(getattr(joints, name) for name in JOINT_FIELDS),
+                joints.numbers,
                 (
                     commands.request.number,
                     commands.error_code,

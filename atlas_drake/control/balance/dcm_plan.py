@@ -86,8 +86,15 @@ def _evaluate(
 
     With the CoP at p = p₀ + ṗ·t the DCM is ξ = p + ṗ/ω + e^{ω(t-T)}·(ξ_T - p_T - ṗ/ω).
     """
-    rate = (segment.end - segment.start) / segment.duration
-    ahead = rate / omega
-    cop = segment.start + rate * into
     decay = math.exp(omega * (into - segment.duration))
-    return DcmReference(cop + ahead + decay * (final - segment.end - ahead), cop)
+    passed, lead = into / segment.duration, 1.0 / (omega * segment.duration)
+    cop = []
+    dcm = []
+    for start, end, last in zip(
+        segment.start.tolist(), segment.end.tolist(), final.tolist(), strict=True
+    ):
+        way = end - start
+        cop.append(start + way * passed)
+        ahead = way * lead
+        dcm.append(cop[-1] + ahead + decay * (last - end - ahead))
+    return DcmReference(np.array(dcm), np.array(cop))

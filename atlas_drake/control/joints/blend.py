@@ -19,7 +19,11 @@ def blend(
     user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
     """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
-    effort = behavior + share * (user - behavior)
+    return limited(behavior + share * (user - behavior), limit)
+
+
+def limited(effort: np.ndarray, limit: np.ndarray) -> np.ndarray:
+    """Returns efforts within ±limit [N·m], shape (n,)."""
     return np.minimum(np.maximum(effort, -limit), limit)
 
 
@@ -111,7 +115,7 @@ def behavior_share(
     shared = (rest > 0.0) & ~_at_the_limit(share, user, effort_limit)
     users = share * (user.effort - user.inertia * joint_acceleration)
     own = np.where(shared, (total - users) / np.where(shared, rest, 1.0), total)
-    return np.minimum(np.maximum(own, -effort_limit), effort_limit)
+    return limited(own, effort_limit)
 
 
 def _at_the_limit(

@@ -36,8 +36,11 @@ class ComTask(Task):
 
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
         """Returns G ∈ R^{3 × 6 c} and the acceleration of gravity."""
-        mean_force = np.eye(3, WRENCH, 3) / terms.mass
-        return TaskRows(None, _FREE_FALL, np.tile(mean_force, len(contacts)))
+        per_mass = 1.0 / terms.mass
+        G = np.zeros((3, WRENCH * len(contacts)))
+        for axis in range(3):
+            G[axis, 3 + axis :: WRENCH] = per_mass
+        return TaskRows(None, _FREE_FALL, G)
 
 
 @dataclass(frozen=True)

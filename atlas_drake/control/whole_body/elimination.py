@@ -69,9 +69,15 @@ class TaskStack:
                 self.g.append(b)
         ordered = moving + others
         self.target = np.concatenate([_NONE, *[task.target for task in ordered]])
-        self.weight = np.concatenate(
-            [_NONE, *[np.full(len(task.target), task.weight) for task in ordered]]
-        )
+        self.weight = np.concatenate([_NONE, *map(_weights, ordered)])
+
+
+def _weights(task: Task) -> np.ndarray:
+    """Returns one weight for each row of a task."""
+    weight = task.weight
+    if isinstance(weight, np.ndarray) and weight.ndim:
+        return weight
+    return np.full(len(task.target), weight)
 
 
 def rows_of(task: Task, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
