@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, DiscreteValues, State
+from pydrake.systems.framework import Context, State
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort, limited
 from atlas_drake.control.joints.joint_pid import (
@@ -20,7 +20,7 @@ from atlas_drake.control.joints.joint_pid import (
     user_effort,
     within_limits,
 )
-from atlas_drake.frozen import NOTHING, Frozen, read_only
+from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -35,6 +35,7 @@ class PreparedLaw(Frozen):
     integral: np.ndarray  # Of the position error times its gain [N·m], shape (n,).
     active: np.ndarray  # True for each joint with a user share.
     motors: MotorLaw
+    excess: np.ndarray  # Efforts beyond the limits at the last tick [N·m], shape (n,).
 
 
 class JointPidBank(CollectableSystem):
@@ -54,7 +55,7 @@ class JointPidBank(CollectableSystem):
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State, updated at control ticks: the prepared law with its integrals, and by how
-    much the user's efforts exceeded the motors' limits in the step from the last tick.
+    much it exceeded the motors' limits at the last tick.
     """
 
     __slots__ = ()
@@ -84,26 +85,19 @@ class JointPidBank(CollectableSystem):
         )
         self._command_input = self.declare_value_input("joint_command")
         self._prepared = self.declare_value_state(NOTHING)
-        self._excess = self.DeclareDiscreteState(n)
         command = self.input_port_ticket(self._command_input.get_index())
         state = self.input_port_ticket(self._state_input.get_index())
         sources = {command, self.xa_ticket()}
         self.declare_value_output("motor_law", self._motor_law, sources)
-        self._effort = self.declare_vector_output("user_effort", n, self._user_effort)
-        self.declare_value_output(
-            "user_forecast", self._forecast, {*sources, state, self.xd_ticket()}
-        )
+        self.declare_vector_output("user_effort", n, self._user_effort)
+        self.declare_value_output("user_forecast", self._forecast, {*sources, state})
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
-        )
-        self.DeclarePeriodicDiscreteUpdateEvent(
-            control_period, 0.0, self._update_excess
         )
 
     def reset(self, context: Context) -> None:
         """Clears the state of the law, its integrals included."""
         self._prepared.set(context, NOTHING)
-        context.SetDiscreteState(self._excess, self._nothing)
 
     def _in_force(self, context: Context) -> PreparedLaw | None:
         """Returns the law in force; None while the user has no share of any joint."""
@@ -121,7 +115,8 @@ class JointPidBank(CollectableSystem):
         robot = self._robot
         command = within_limits(source, robot.position_lower, robot.position_upper)
         motors = motor_law(command, integral, self._step)
-        return PreparedLaw(source, command, integral, source.share > 0.0, motors)
+        active = source.share > 0.0
+        return PreparedLaw(source, command, integral, active, motors, self._nothing)
 
     def _motor_law(self, context: Context) -> MotorLaw:
         law = self._in_force(context)
@@ -143,24 +138,30 @@ class JointPidBank(CollectableSystem):
         law = self._in_force(context)
         if law is None:
             return UserForecast(*[self._nothing] * 3)
-        state, command = self._state_input.Eval(context), law.command
-        v, damping = state.take(self._v_state), step_damping(command, self._step)
-        spring = command.kp_position * (command.position - state.take(self._q))
-        static = spring + constant_effort(command, law.integral)
+        static, v = self._static_effort(law, context)
+        damping = step_damping(law.command, self._step)
         # A damper may exceed the limit now and be at rest within the step: it counts if
-        # it did so in the last step, too, or has a spring to hold.
+        # it did so at the last tick, too, or has a spring to hold.
         excess = self._beyond_limit(static - damping * v)
-        before = context.get_discrete_state(self._excess).value()
-        held = (excess * before > 0.0) | (excess * self._beyond_limit(static) > 0.0)
+        held = (excess * law.excess > 0.0) | (excess * self._beyond_limit(static) > 0.0)
         return forecast_user_effort(
             static,
-            command.kp_position,
+            law.command.kp_position,
             damping,
             v,
             excess * held,
             self._period,
             self._step,
         )
+
+    def _static_effort(
+        self, law: PreparedLaw, context: Context
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the law's efforts at rest [N·m], and the joints' velocities."""
+        state, command = self._state_input.Eval(context), law.command
+        spring = command.kp_position * (command.position - state.take(self._q))
+        constant = constant_effort(command, law.integral)
+        return spring + constant, state.take(self._v_state)
 
     def _beyond_limit(self, effort: np.ndarray) -> np.ndarray:
         return effort - limited(effort, self._robot.effort_limit)
@@ -173,10 +174,7 @@ class JointPidBank(CollectableSystem):
             q = self._state_input.Eval(context)[self._q]
             integral = integrate(law.integral, law.command, q, self._period)
             law = self._prepare(law.source, read_only(integral))
-        if law is not self._prepared.get(context):
-            self._prepared.set(state, law)
-
-    def _update_excess(self, context: Context, discrete: DiscreteValues) -> None:
-        if self._in_force(context) is not None:
-            excess = self._beyond_limit(self._effort.Eval(context))
-            discrete.set_value(self._excess, excess)
+        static, v = self._static_effort(law, context)
+        damping = step_damping(law.command, self._step)
+        excess = read_only(self._beyond_limit(static - damping * v))
+        self._prepared.set(state, replace(law, excess=excess))

@@ -286,7 +286,8 @@ class TickRecorder(CollectableSystem):
                 context, latched["marks before"].tolist(), latched["marks"].tolist()
             ),
         )
-        return read_only(record)
+        # The footsteps are those of the behaviors' state, which is read-only already.
+        return read_only(record, status.plan)
 
     def _events(self, context: Context, before: list[float], after: list[float]) -> Any:
         if before == after:
