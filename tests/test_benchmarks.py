@@ -78,6 +78,10 @@ def test_speed_has_the_figures_promised(load, monkeypatch):
     assert result["bare_upright"]
     assert all(result[key] > 0.0 for key in realtime.GOALS)
     assert set(result["tick_ms"]) == {"median", "p99", "max"}
+    assert all(result["stages_ms"][name] > 0.0 for name in realtime.STAGES)
+    for name in ("default", "mcap", "view"):
+        spread = result["ratios"][name]
+        assert 0.0 < spread["low"] <= spread["median"] == result[name] <= spread["high"]
 
 
 @pytest.mark.slow

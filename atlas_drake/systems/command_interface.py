@@ -122,10 +122,13 @@ class CommandInterface(CollectableSystem):
     def _merged(self, context: Context) -> ActiveCommand:
         force = self._state.get(context)
         atlas_command, sim_command = self._messages(context)
+        if atlas_command is NOTHING and sim_command is NOTHING:
+            return force
         time = context.get_time()
         return latch(force, atlas_command, sim_command, self._robot, time)
 
     def _update(self, context: Context, state: State) -> None:
         after: ActiveCommand = self._commands.Eval(context)
-        self._log_refusals(context, after)
-        self._state.set(state, after)
+        if after is not self._state.get(context):
+            self._log_refusals(context, after)
+            self._state.set(state, after)

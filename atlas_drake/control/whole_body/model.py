@@ -49,6 +49,7 @@ class WholeBodyModel:
         self._damping = np.array(
             [joint.default_damping_vector()[0] for joint in joints]
         )
+        self._num_q = plant.num_positions()
         self._square = generalized[:, None] * plant.num_velocities() + generalized
 
     @property
@@ -74,7 +75,7 @@ class WholeBodyModel:
         plant, indices = self._plant, self._indices
         state = np.array(state)
         plant.SetPositionsAndVelocities(context, state)
-        velocity = state[plant.num_positions() :]
+        velocity = state[self._num_q :]
         order = indices.generalized
         v = read_only(velocity.take(order))
 
@@ -96,12 +97,15 @@ class WholeBodyModel:
                 plant.SetPositionsAndVelocities(context, state)
             frame = self._frame(name)
             J, bias = self._differential(context, frame)
-            return self._frame_terms(context, frame, J @ v, J, bias)
+            parts = read_only((J @ v, J, bias))
+            return self._frame_terms(context, frame, *parts)
 
         J, bias = np.empty((18, size)), np.empty(18)
         for frame, part in zip(self._tracked, _PARTS, strict=True):
             J[part], bias[part] = self._differential(context, frame)
         V = J @ v
+        for array in (J, bias, V):  # Parts of them are read-only as well.
+            array.setflags(write=False)
         tracked = [
             self._frame_terms(context, frame, V[part], J[part], bias[part])
             for frame, part in zip(self._tracked, _PARTS, strict=True)
@@ -169,11 +173,11 @@ class WholeBodyModel:
         J_WF: np.ndarray,
         bias: np.ndarray,
     ) -> FrameTerms:
-        """A frame's differential kinematics together with its pose."""
+        """A frame's differential kinematics, read-only, together with its pose."""
         X_WF = frame.CalcPoseInWorld(context)
         p_WF, R_WF = X_WF.translation(), X_WF.rotation().matrix()
-        for array in (p_WF, R_WF, V_WF, J_WF, bias):
-            array.setflags(write=False)
+        p_WF.setflags(write=False)
+        R_WF.setflags(write=False)
         return FrameTerms(p_WF, R_WF, V_WF, J_WF, bias)
 
 
