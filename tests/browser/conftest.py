@@ -25,8 +25,6 @@ SIZE = {"width": 800, "height": 600}
 SMALL_LAPTOP = {"width": 1280, "height": 720}
 SCREEN = {"width": 1920, "height": 1080}
 PHONE = {"width": 390, "height": 844}
-FAST = ("--physics-step", "0.003")
-"""Leaves more of the computer to the browser."""
 PATIENCE = 60.0
 """With the browser [s of wall time]."""
 
@@ -265,7 +263,7 @@ def browser():
 def teleop(tmp_path_factory):
     """A run of ``atlas-drake teleop``, which stands still between the tests."""
     pytest.importorskip("aiohttp", reason="the cockpit is not installed")
-    run = Run(tmp_path_factory.mktemp("teleop"), "teleop", *FAST, "--port", "8180")
+    run = Run(tmp_path_factory.mktemp("teleop"), "teleop", "--port", "8180")
     yield run
     run.end()
 

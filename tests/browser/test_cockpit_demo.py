@@ -5,7 +5,7 @@ import pytest
 from atlas_drake.app.exit_status import INTERRUPTED
 from atlas_drake.simulation.tutorial import STEPS
 
-from .conftest import FAST, CockpitPage, Run, wait_for
+from .conftest import CockpitPage, Run, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -13,7 +13,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.browser]
 @pytest.fixture
 def page(tmp_path, browser):
     pytest.importorskip("aiohttp", reason="the cockpit is not installed")
-    run = Run(tmp_path, "demo", *FAST, "--cockpit", "--port", "8380")
+    run = Run(tmp_path, "demo", "--cockpit", "--port", "8380")
     page = CockpitPage(browser, run.url)
     yield page
     assert not page.errors

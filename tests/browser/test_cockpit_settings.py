@@ -3,7 +3,7 @@
 import pytest
 from pydrake.common.yaml import yaml_load
 
-from .conftest import FAST, CockpitPage, Run, wait_for
+from .conftest import CockpitPage, Run, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -15,7 +15,7 @@ def page(tmp_path_factory, browser):
     """The page of a run that is replaced by others."""
     pytest.importorskip("aiohttp", reason="the cockpit is not installed")
     folder = tmp_path_factory.mktemp("teleop")
-    run = Run(folder, "teleop", *FAST, "--port", "8280")
+    run = Run(folder, "teleop", "--port", "8280")
     page = CockpitPage(browser, run.url)
     yield page
     assert not page.errors
