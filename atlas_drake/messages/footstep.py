@@ -8,7 +8,6 @@ its bottom plane, x to the toes, z along the sole's normal. The limits of a step
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -98,19 +97,19 @@ class Footstep(Frozen):
     action: StepAction = StepAction()
 
     def __post_init__(self) -> None:
-        """Check foot and yaw, and take the point as a read-only array."""
+        """Check foot and yaw, and take point and normal as read-only arrays."""
         if self.foot not in (LEFT, RIGHT):
             raise ValueError(f"foot must be 0 or 1, is {shown(self.foot)}")
         if as_float(self.yaw) is None:
             raise ValueError(f"yaw must be a number, is {shown(self.yaw)}")
         p_WF = points(self.p_WF, "p_WF", (3,))
         object.__setattr__(self, "p_WF", p_WF)
+        object.__setattr__(self, "normal", points(self.normal, "normal", (3,)))
 
-    @cached_property
+    @property
     def pose(self) -> FootPose:
-        """The landing pose of a step whose height is in W; read-only."""
-        R_WF = rotation_with_normal(self.yaw, self.normal)
-        return FootPose(self.p_WF, read_only(R_WF))
+        """The landing pose of a step whose height is in W."""
+        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
 def points(given: object, name: str, shape: tuple[int, ...]) -> np.ndarray:

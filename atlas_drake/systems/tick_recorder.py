@@ -286,7 +286,7 @@ class TickRecorder(CollectableSystem):
                 context, latched["marks before"].tolist(), latched["marks"].tolist()
             ),
         )
-        # The footsteps are those of the behaviors' state, which is read-only already.
+        # The plan's footsteps are read-only as they are.
         return read_only(record, status.plan)
 
     def _events(self, context: Context, before: list[float], after: list[float]) -> Any:

@@ -182,3 +182,20 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
         np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1e-6)
     hands = np.abs(log["hands.left_force"]), np.abs(log["hands.right_force"])
     assert np.max(hands) > 20.0
+
+
+def test_the_footsteps_of_a_walk_are_read_as_they_were_planned(tmp_path):
+    # While a foot swings, all that can be asked of a footstep has been asked.
+    path = tmp_path / "run.mcap"
+    with AtlasSimulation(log=path) as sim:
+        sim.publish(walk_command())
+        sim.advance(1.2)
+        sim.advance(0.5 * PERIOD)
+        planned = sim.record.footsteps
+    log = read_log(path)
+    footsteps = log.record(len(log) - 1).footsteps
+    assert planned
+    assert [(step.index, step.foot, step.yaw) for step in footsteps] == [
+        (step.index, step.foot, step.yaw) for step in planned
+    ]
+    np.testing.assert_array_equal(footsteps[0].p_WF, planned[0].p_WF)
