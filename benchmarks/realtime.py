@@ -208,6 +208,7 @@ def ratio(over: list[float], under: list[float]) -> dict[str, float]:
 
 def stages(model: str) -> dict[str, float]:
     """Returns the median wall time of each part of a tick, in a run of its own [ms]."""
+    print("timing the stages of a tick ...", end="\r", flush=True)
     with timed_stages() as found:
         sim = AtlasSimulation(Scenario(model=model, schedule="tutorial"))
         sim.advance_to(DURATION)

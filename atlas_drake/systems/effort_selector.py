@@ -65,11 +65,8 @@ class EffortSelector(CollectableSystem):
         k_effort = self._k_effort.Eval(context)
         behavior = self._behavior.Eval(context)
         # Without a user share the user's efforts need no evaluation.
-        if not k_effort.any():
-            return limited(behavior, self._limit)
-        return blend(
-            self._user.Eval(context), behavior, share_of(k_effort), self._limit
-        )
+        user = self._user.Eval(context) if k_effort.any() else behavior
+        return blend(user, behavior, share_of(k_effort), self._limit)
 
     def _actuation(self, context: Context) -> np.ndarray:
         """Returns the efforts, after the plant's motors were given the law's gains.
@@ -86,10 +83,8 @@ class EffortSelector(CollectableSystem):
 
     def _efforts(self, context: Context) -> tuple[MotorLaw, np.ndarray]:
         law: MotorLaw = self._law.Eval(context)
-        k_effort, behavior = self._k_effort.Eval(context), self._behavior.Eval(context)
-        if not k_effort.any():
-            return law, limited(behavior, self._limit).take(self._to_plant)
-        effort = law.feed_forward + (1.0 - share_of(k_effort)) * behavior
+        rest = 1.0 - share_of(self._k_effort.Eval(context))
+        effort = law.feed_forward + rest * self._behavior.Eval(context)
         # Motors without gains do not limit what they are told to give.
         has_gains = law.stiffness + law.damping > 0.0
         effort = np.where(has_gains, effort, limited(effort, self._limit))

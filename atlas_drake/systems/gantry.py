@@ -16,6 +16,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.joints.blend import limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
@@ -211,8 +212,8 @@ class Gantry(CollectableSystem):
         damping = law.damping + self._dt * law.stiffness
         given = self._actuation_input.Eval(context)[indices.actuation]
         effort = given + law.stiffness * (law.position - q) - damping * v
-        limited = np.clip(effort, -self._limit, self._limit)
-        return limited, np.where(limited == effort, damping, 0.0)
+        within = limited(effort, self._limit)
+        return within, np.where(within == effort, damping, 0.0)
 
     def _jacobian(self, scratch: Context, frame: Frame, p: np.ndarray) -> np.ndarray:
         """Computes the Jacobian of a frame's point, spatial, in W, shape (6, nv)."""

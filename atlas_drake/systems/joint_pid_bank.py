@@ -5,6 +5,7 @@ physics step, together with contact; ``EffortSelector`` gives it to them.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -13,7 +14,6 @@ from pydrake.systems.framework import Context, State
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort, limited
 from atlas_drake.control.joints.joint_pid import (
     MotorLaw,
-    constant_effort,
     integrate,
     motor_law,
     step_damping,
@@ -33,9 +33,17 @@ class PreparedLaw(Frozen):
     source: JointCommand
     command: JointCommand  # ``source`` ``within_limits`` of the joints.
     integral: np.ndarray  # Of the position error times its gain [N·m], shape (n,).
-    active: np.ndarray  # True for each joint with a user share.
     motors: MotorLaw
     excess: np.ndarray  # Efforts beyond the limits at the last tick [N·m], shape (n,).
+
+
+class Present(NamedTuple):
+    """The law in force at the present state; arrays (n,), message order."""
+
+    static: np.ndarray  # Efforts of joints at rest [N·m].
+    damping: np.ndarray  # [N·m·s/rad]
+    v: np.ndarray  # Velocities [rad/s].
+    excess: np.ndarray  # Efforts beyond the motors' limits [N·m].
 
 
 class JointPidBank(CollectableSystem):
@@ -90,7 +98,10 @@ class JointPidBank(CollectableSystem):
         sources = {command, self.xa_ticket()}
         self.declare_value_output("motor_law", self._motor_law, sources)
         self.declare_vector_output("user_effort", n, self._user_effort)
-        self.declare_value_output("user_forecast", self._forecast, {*sources, state})
+        sources |= {state}
+        # Forecast and update read the same efforts.
+        self._present = self.declare_cached("present", self._at_present, sources)
+        self.declare_value_output("user_forecast", self._forecast, sources)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
         )
@@ -115,8 +126,7 @@ class JointPidBank(CollectableSystem):
         robot = self._robot
         command = within_limits(source, robot.position_lower, robot.position_upper)
         motors = motor_law(command, integral, self._step)
-        active = source.share > 0.0
-        return PreparedLaw(source, command, integral, active, motors, self._nothing)
+        return PreparedLaw(source, command, integral, motors, self._nothing)
 
     def _motor_law(self, context: Context) -> MotorLaw:
         law = self._in_force(context)
@@ -132,36 +142,35 @@ class JointPidBank(CollectableSystem):
         effort = user_effort(
             law.command, law.integral, state.take(self._q), v_next, self._step
         )
-        return effort * law.active
+        return effort * (law.source.share > 0.0)
 
     def _forecast(self, context: Context) -> UserForecast:
         law = self._in_force(context)
         if law is None:
             return UserForecast(*[self._nothing] * 3)
-        static, v = self._static_effort(law, context)
-        damping = step_damping(law.command, self._step)
+        now: Present = self._present.Eval(context)
         # A damper may exceed the limit now and be at rest within the step: it counts if
         # it did so at the last tick, too, or has a spring to hold.
-        excess = self._beyond_limit(static - damping * v)
-        held = (excess * law.excess > 0.0) | (excess * self._beyond_limit(static) > 0.0)
+        at_rest = self._beyond_limit(now.static)
+        held = (now.excess * law.excess > 0.0) | (now.excess * at_rest > 0.0)
         return forecast_user_effort(
-            static,
+            now.static,
             law.command.kp_position,
-            damping,
-            v,
-            excess * held,
+            now.damping,
+            now.v,
+            now.excess * held,
             self._period,
             self._step,
         )
 
-    def _static_effort(
-        self, law: PreparedLaw, context: Context
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the law's efforts at rest [N·m], and the joints' velocities."""
+    def _at_present(self, context: Context) -> Present:
+        law = self._in_force(context)
+        assert law is not None  # Only a law in force is asked about.
         state, command = self._state_input.Eval(context), law.command
-        spring = command.kp_position * (command.position - state.take(self._q))
-        constant = constant_effort(command, law.integral)
-        return spring + constant, state.take(self._v_state)
+        v, q = state.take(self._v_state), state.take(self._q)
+        static = user_effort(command, law.integral, q, self._nothing, self._step)
+        damping = step_damping(command, self._step)
+        return Present(static, damping, v, self._beyond_limit(static - damping * v))
 
     def _beyond_limit(self, effort: np.ndarray) -> np.ndarray:
         return effort - limited(effort, self._robot.effort_limit)
@@ -172,9 +181,8 @@ class JointPidBank(CollectableSystem):
             return
         if law.command.ki_position.any() or law.integral.any():
             q = self._state_input.Eval(context)[self._q]
-            integral = integrate(law.integral, law.command, q, self._period)
-            law = self._prepare(law.source, read_only(integral))
-        static, v = self._static_effort(law, context)
-        damping = step_damping(law.command, self._step)
-        excess = read_only(self._beyond_limit(static - damping * v))
+            integral = read_only(integrate(law.integral, law.command, q, self._period))
+            motors = motor_law(law.command, integral, self._step)
+            law = replace(law, integral=integral, motors=motors)
+        excess = read_only(self._present.Eval(context).excess)
         self._prepared.set(state, replace(law, excess=excess))

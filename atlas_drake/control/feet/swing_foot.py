@@ -298,6 +298,7 @@ def quintic_step(
 def _quintic_step(
     p: float, v: float, a: float, goal: float, T: float, dt: float
 ) -> tuple[float, float, float]:
+    """Advances one component of ``quintic_step``."""
     d = goal - p - v * T - 0.5 * a * T * T
     e = -(v + a * T) * T
     f = -0.5 * a * T * T

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from atlas_drake.control.joints.blend import limited
+
 DAMPING_PER_EFFORT = 0.002
 """Damping of a joint in damping mode per unit of its effort limit [s/rad].
 
@@ -33,4 +35,4 @@ def damping_effort(
 ) -> np.ndarray:
     """Computes the effort of pure damping [N·m], (n,), held for ``period`` [s]."""
     effort = -damping_mode_gain(effort_limit, period) * v
-    return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
+    return limited(effort, effort_limit)
