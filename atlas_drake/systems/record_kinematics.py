@@ -9,6 +9,7 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.wrenches import center_of_pressure, shift_to_frames
+from atlas_drake.frozen import read_only
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.records.groups import Balance, Feet, Hands
 from atlas_drake.robot import Robot
@@ -57,7 +58,7 @@ class RecordKinematics:
             right_torque=torques[1],
             right_force=forces[1],
         )
-        return feet, Hands(torques[2], forces[2], torques[3], forces[3])
+        return read_only((feet, Hands(torques[2], forces[2], torques[3], forces[3])))
 
     def balance(self, scratch: Context, feet: Feet, plan: Plan) -> Balance:
         """Computes CoM, DCM and CoP at the state of the model, in ``scratch``.
@@ -74,7 +75,7 @@ class RecordKinematics:
             [feet.left_torque, feet.left_force, feet.right_torque, feet.right_force]
         )
         cop = center_of_pressure(feet.positions, wrenches)
-        return Balance(
+        balance = Balance(
             com=com,
             com_velocity=velocity,
             dcm=com[:2] + velocity[:2] / omega,
@@ -85,3 +86,4 @@ class RecordKinematics:
             support=plan.support,
             omega=plan.omega,
         )
+        return read_only(balance)

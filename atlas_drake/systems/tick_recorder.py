@@ -231,7 +231,7 @@ class TickRecorder(CollectableSystem):
         feedback = status.feedback
         known = FEEDBACK_FIELDS.get(type(feedback))
         own = None if known or isinstance(feedback, Message) else to_plain(feedback)
-        record = TickRecord(
+        return TickRecord(
             time=float(latched["time"][0]),
             behavior=BehaviorNumbers(
                 int(status.current_behavior),
@@ -244,8 +244,8 @@ class TickRecorder(CollectableSystem):
             ),
             request=request.command if request.number else None,
             joints=Joints(
-                measured[self._indices.q],
-                measured[num_q + self._indices.v],
+                read_only(measured[self._indices.q]),
+                read_only(measured[num_q + self._indices.v]),
                 latched["effort"],
                 latched["user_effort"],
                 latched["behavior_effort"],
@@ -286,8 +286,6 @@ class TickRecorder(CollectableSystem):
                 context, latched["marks before"].tolist(), latched["marks"].tolist()
             ),
         )
-        # The plan's footsteps are read-only as they are.
-        return read_only(record, status.plan)
 
     def _events(self, context: Context, before: list[float], after: list[float]) -> Any:
         if before == after:
