@@ -140,6 +140,11 @@ class RunDiagram:
 
             show_start(meshcat, scenario)
 
+    def _log_latest(self) -> None:
+        """Writes the latest record, which the next tick would write."""
+        listener: Any = self.diagram.GetSubsystemByName("log")
+        listener.flush(listener.GetMyContextFromRoot(self.context))
+
     def close_log(self) -> None:
         """Completes the log, with the latest record and the events after it."""
         writer, self.writer = self.writer, None
@@ -147,8 +152,7 @@ class RunDiagram:
             return
         # What prevents a record has ended the run already, with its error.
         with suppress(Exception):
-            listener: Any = self.diagram.GetSubsystemByName("log")
-            listener.flush(listener.GetMyContextFromRoot(self.context))
+            self._log_latest()
             recorder, context = self.part("tick_recorder")
             for event in recorder.events_after_tick(context):
                 writer.event(event)
@@ -201,6 +205,8 @@ class RunDiagram:
         """
         moved = _moved(self.variation, pose)
         self._check_place(moved, start)
+        if self.writer is not None:
+            self._log_latest()
         put_world_back(self.plant, self.plant_context, self.robot)
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(moved, start)
