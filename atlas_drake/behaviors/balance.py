@@ -14,12 +14,13 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.body_sway import BodySway, arm_swing
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
-from atlas_drake.control.feet.swing_foot import SwingReference
+from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.contact import Contact, ContactPatch
@@ -68,11 +69,17 @@ class Balance:
     """Feedback around given references for one robot. Holds constants only."""
 
     def __init__(
-        self, robot: Robot, gains: ControlGains, stance: StanceConfig | None = None
+        self,
+        robot: Robot,
+        gains: ControlGains,
+        stance: StanceConfig | None = None,
+        sway: BodySway | None = None,
     ):
         self.robot = robot
         self.gains = gains
         self.stance = stance or StanceConfig()
+        self.sway = sway or BodySway()
+        self._arm_swing = arm_swing(robot, self.sway.arms)
         self.weight = robot.mass * GRAVITY
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
@@ -132,7 +139,10 @@ class Balance:
         com_acceleration = np.empty(3)
         com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cop, omega)
         com_acceleration[2] = feedback.height_acceleration(
-            terms, body.height, body.height_rate, gains.com_height
+            terms,
+            body.height,
+            body.height_rate,
+            gains.com_height_quick if quick else gains.com_height,
         )
         turning = np.array([0.0, 0.0, body.yaw_rate])
         if observation.user_held[self._back].any():
@@ -143,8 +153,13 @@ class Balance:
             chest = orientation_acceleration(
                 body.R_WC, turning, terms.R_WC, terms.w_WC, gains.orientation
             )
+        turn = -self.sway.pelvis
         pelvis = orientation_acceleration(
-            body.R_WP, turning, terms.R_WP, terms.V_WP[:3], gains.orientation
+            body.R_WP(turn * body.lead),
+            np.array([0.0, 0.0, body.yaw_rate + turn * body.lead_rate]),
+            terms.R_WP,
+            terms.V_WP[:3],
+            gains.orientation,
         )
         file = self.robot.file
         return self.on_feet(
@@ -183,7 +198,11 @@ class Balance:
     def posture(self, observation: Observation, body: BodyReference) -> np.ndarray:
         """Computes joint accelerations towards the posture [rad/s²], shape (n,)."""
         gains, terms = self.gains.posture, observation.terms
-        return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
+        if body.lead == 0.0:
+            return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
+        swing = np.where(observation.user_held, 0.0, self._arm_swing)
+        q, v = body.joints + body.lead * swing, body.lead_rate * swing
+        return gains.kp * (q - terms.q) + gains.kd * (v - terms.v)
 
     def _posture_weight(self, feet: tuple[FootCommand, FootCommand]) -> np.ndarray:
         """Weights of the joints' posture, smaller in a leg whose foot is in the air."""
@@ -211,18 +230,26 @@ class Balance:
 
         A sole that carries little is not counted on for more than it may soon carry.
         """
-        model = self.gains.contact
-        felt = float(observation.foot_force[foot]) / self.weight
-        if math.isnan(felt):  # At the first tick the robot is taken to stand.
-            felt = model.full_load
         # Below a sole that carries next to nothing a moment would only turn the foot.
-        rests = felt >= model.unloaded_share
+        rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
         patch = self._patches.whole if rests else self._patches.middle
-        trusted = model.unloaded_share + model.load_growth * max(felt, 0.0)
+        trusted = self._trusted(observation, foot)
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._contact(foot, patch, min(max_load, trusted)),
         )
+
+    def _felt(self, observation: Observation, foot: int) -> float:
+        """Returns the load on a foot, in weights of the robot."""
+        felt = float(observation.foot_force[foot]) / self.weight
+        # At the first tick the robot is taken to stand.
+        return self.gains.contact.full_load if math.isnan(felt) else felt
+
+    def _trusted(self, observation: Observation, foot: int) -> float:
+        """Computes the load that a foot may soon carry, in weights of the robot."""
+        model = self.gains.contact
+        felt = max(self._felt(observation, foot), 0.0)
+        return model.unloaded_share + model.load_growth * felt
 
     def standing(self, observation: Observation) -> tuple[FootCommand, FootCommand]:
         """Commands both feet to rest in contact."""
@@ -233,7 +260,7 @@ class Balance:
         return FootCommand(self._resting(observation, foot, self._swing_weight))
 
     def swinging(
-        self, observation: Observation, foot: int, reference: SwingReference
+        self, observation: Observation, foot: int, reference: SoleMotion
     ) -> FootCommand:
         """Commands a foot in the air to follow ``reference``."""
         return FootCommand(
@@ -244,13 +271,22 @@ class Balance:
         self,
         observation: Observation,
         foot: int,
-        reference: SwingReference,
+        reference: SoleMotion,
         max_load: float,
     ) -> FootCommand:
         """Commands a foot on its toes, whose heel follows ``reference``."""
         return FootCommand(
             self._following(observation, foot, reference, self._stance_weight),
             self._contact(foot, self._patches.toes, max_load),
+        )
+
+    def on_heel(
+        self, observation: Observation, foot: int, reference: SoleMotion
+    ) -> FootCommand:
+        """Commands a foot on its heel, whose toes follow ``reference``."""
+        return FootCommand(
+            self._following(observation, foot, reference, self._stance_weight),
+            self._contact(foot, self._patches.heel, self._trusted(observation, foot)),
         )
 
     def _resting(
@@ -266,7 +302,7 @@ class Balance:
         self,
         observation: Observation,
         foot: int,
-        reference: SwingReference,
+        reference: SoleMotion,
         weight: np.ndarray,
     ) -> FrameTask:
         """Builds the task that moves a sole along ``reference``."""

@@ -28,6 +28,9 @@ class BodyRates(Configuration):
     """Speed of the heading [rad/s]."""
     height: NotNegative = 0.12
     """Speed of the height of the center of mass [m/s]."""
+    lead: NotNegative = 0.5
+    """Speed at which the lead that pelvis and arms follow comes to that of the feet
+    [m/s]."""
     easing: Positive = 0.1
     """Time in which height and heading reach their speed, and slow down again [s]."""
 
@@ -43,11 +46,12 @@ class BodyReference:
     pelvis_tilt: np.ndarray  # Roll and pitch of the pelvis [rad], shape (2,)
     chest_tilt: np.ndarray  # Roll and pitch of the chest [rad], shape (2,)
     joints: np.ndarray  # Posture [rad], shape (n,)
+    lead: float = 0.0  # Of the left foot, which pelvis and arms follow [m]
+    lead_rate: float = 0.0  # Rate of the lead [m/s]
 
-    @property
-    def R_WP(self) -> np.ndarray:
-        """Desired orientation of the pelvis."""
-        return orientation(self.yaw, self.pelvis_tilt)
+    def R_WP(self, turn: float) -> np.ndarray:
+        """Desired orientation of the pelvis, turned from the heading [rad]."""
+        return orientation(self.yaw + turn, self.pelvis_tilt)
 
     @property
     def R_WC(self) -> np.ndarray:
@@ -64,6 +68,8 @@ class BodyTarget:
     joints: np.ndarray  # Posture [rad], shape (n,)
     pelvis_tilt: np.ndarray  # Roll and pitch of the pelvis [rad], shape (2,)
     chest_tilt: np.ndarray  # Roll and pitch of the chest [rad], shape (2,)
+    lead: float = 0.0  # Of the left foot before the right one [m]
+    lead_rate: float = 0.0  # Rate of the lead [m/s]
 
 
 def capture_body(terms: WholeBodyTerms) -> BodyReference:
@@ -97,6 +103,8 @@ def advance_body(
     )
     turn = wrap_angle(target.yaw - body.yaw)
     yaw_rate = _eased(turn, body.yaw_rate, rates.yaw, rates.easing, dt)
+    catch_up = (target.lead - body.lead) / dt - target.lead_rate
+    lead_rate = target.lead_rate + min(max(catch_up, -rates.lead), rates.lead)
     joints = _approach_all(body.joints, target.joints, rates.joints * dt)
     if user_held.any():
         joints = np.where(user_held, measured, joints)
@@ -109,6 +117,8 @@ def advance_body(
         pelvis_tilt=_approach_all(body.pelvis_tilt, target.pelvis_tilt, tilt),
         chest_tilt=_approach_all(body.chest_tilt, target.chest_tilt, tilt),
         joints=joints,
+        lead=body.lead + lead_rate * dt,
+        lead_rate=lead_rate,
     )
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.body_sway import BodySway
 from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
@@ -40,6 +41,8 @@ class ControllerConfig(Configuration):
     """How the robot stands."""
     body: BodyRates = field(default_factory=BodyRates)
     """Speed limits of the trunk and posture reference in STAND, WALK and MANIPULATE."""
+    sway: BodySway = field(default_factory=BodySway)
+    """Swing of pelvis and arms with the feet of a walk."""
     entry: EntryLimits = field(default_factory=EntryLimits)
     """Conditions under which STAND can take over."""
     fall: FallLimits = field(default_factory=FallLimits)

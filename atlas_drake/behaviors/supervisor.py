@@ -65,7 +65,7 @@ class Supervisor:
         ``nominal_height`` is that of the CoM above the soles when standing [m].
         """
         robot = model.robot
-        balance = Balance(robot, config.gains, config.stance)
+        balance = Balance(robot, config.gains, config.stance, config.sway)
         self._tools = BehaviorTools(
             model,
             balance,

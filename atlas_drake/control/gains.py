@@ -31,7 +31,7 @@ class QpWeights(Configuration):
     com_height: NotNegative = 60.0
     """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
     knee is at its limit, the robot gives up height before balance."""
-    com_height_quick: NotNegative = 20.0
+    com_height_quick: NotNegative = 8.0
     """The same in quick level steps of WALK (``walk.rules.quick_step``)
     [1/(m/s²)²]. A long stride lowers the center of mass over the straight trailing leg;
     to raise it at once at lift-off throws the robot up, and it flies above 0.8 m/s."""
@@ -118,6 +118,10 @@ class ControlGains(Configuration):
     contact: ContactModel = field(default_factory=ContactModel)
     joint_limits: JointLimitGains = field(default_factory=JointLimitGains)
     com_height: PdGains = PdGains(kp=40.0, kd=12.0)
+    """Height of the center of mass."""
+    com_height_quick: PdGains = PdGains(kp=20.0, kd=7.0)
+    """The same in quick level steps of WALK: stiffer ones throw the robot up after each
+    landing."""
     dcm_gain: NotNegative = 2.0
     """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
     error of the DCM [-]."""

@@ -9,7 +9,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.feet.swing_foot import SwingReference
+from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
@@ -41,7 +41,7 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
     seen, gains = observe(), balance.gains.swing_position
     foot = seen.terms.feet[1]
     ahead, faster, sooner = np.array([[0.03, -0.02, 0.01], [0.1, 0.2, -0.3], [1, 2, 3]])
-    reference = SwingReference(
+    reference = SoleMotion(
         p_WF=foot.p_WF + ahead,
         v_WF=foot.V_WF[3:] + faster,
         a_WF=sooner,
@@ -195,7 +195,7 @@ def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
     carried = np.array([balance.weight, 0.0])
     seen = replace(observe(), terms=terms, foot_force=carried)
     foot = terms.feet[right]
-    rising = SwingReference(
+    rising = SoleMotion(
         p_WF=foot.p_WF,
         v_WF=np.zeros(3),
         a_WF=np.array([0.0, 0.0, 40.0]),

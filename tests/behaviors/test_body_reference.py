@@ -63,7 +63,7 @@ def advance(body, target, held, measured=None, steps=1):
 
 
 def test_the_captured_reference_is_the_present_posture(terms, captured):
-    np.testing.assert_allclose(captured.R_WP, terms.R_WP, atol=1e-12)
+    np.testing.assert_allclose(captured.R_WP(0.0), terms.R_WP, atol=1e-12)
     assert captured.height == terms.com[2]
     assert captured.height_rate == captured.yaw_rate == 0.0
     np.testing.assert_array_equal(captured.joints, terms.q)
@@ -111,6 +111,33 @@ def test_the_reference_reaches_its_target_and_stays(captured, target, nobody):
     assert after.yaw_rate == pytest.approx(0.0, abs=1e-9)
 
 
+def test_the_lead_follows_that_of_the_feet_exactly_and_closes_a_gap_slowly(
+    captured, target, nobody
+):
+    rate = 2.0
+
+    def goal(time):
+        return dataclasses.replace(target, lead=0.1 + rate * time, lead_rate=rate)
+
+    body, gap = captured, 0.1
+    for tick in range(1, 200):
+        before, body = body, advance(body, goal(tick * DT), nobody)
+        np.testing.assert_allclose(body.lead - before.lead, body.lead_rate * DT)
+        assert abs(body.lead_rate - rate) <= RATES.lead + 1e-9
+        gap = max(gap - RATES.lead * DT, 0.0)
+        assert goal(tick * DT).lead - body.lead == pytest.approx(gap, abs=1e-9)
+    assert gap == 0.0
+    # A behavior without feet that lead brings pelvis and arms back.
+    body = advance(body, target, nobody, steps=2000)
+    assert (body.lead, body.lead_rate) == (0.0, 0.0)
+
+
+def test_the_pelvis_turns_from_the_heading(captured):
+    turned = captured.R_WP(0.2)
+    heading = RollPitchYaw(captured.R_WP(0.0)).yaw_angle()
+    assert RollPitchYaw(turned).yaw_angle() == pytest.approx(heading + 0.2)
+
+
 def test_the_reference_turns_the_short_way(captured, target, nobody):
     # From 2.5 to -2.9 rad the short way leads over π.
     after = advance(captured, target, nobody, steps=15)
@@ -134,4 +161,4 @@ def test_user_held_joints_follow_what_is_measured(model, captured, target):
 def test_orientation_is_roll_pitch_yaw(captured, tilt):
     body = dataclasses.replace(captured, yaw=0.7, pelvis_tilt=np.array(tilt))
     expected = RollPitchYaw(tilt[0], tilt[1], 0.7).ToRotationMatrix().matrix()
-    np.testing.assert_allclose(body.R_WP, expected, atol=1e-14)
+    np.testing.assert_allclose(body.R_WP(0.0), expected, atol=1e-14)

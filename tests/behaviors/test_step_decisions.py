@@ -21,7 +21,7 @@ from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.sole_motion import pitched_pose
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
@@ -491,7 +491,7 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
         (reach.now[LEFT], rising.heel_motion(0.5)[0]),
         (reach.later[LEFT][1], 0.3),
     ):
-        expected = on_toes(state.feet[LEFT], angle, half)
+        expected = pitched_pose(state.feet[LEFT], angle, half)
         np.testing.assert_allclose(pose.p_WF, expected.p_WF, atol=1e-12)
     # Its contact moves to the toes while the heel is up.
     whole, toes = (

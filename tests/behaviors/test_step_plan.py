@@ -8,7 +8,7 @@ from atlas_drake.behaviors.step.config import PostureRules
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.leg_kinematics import highest_com, knee_ahead
-from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.sole_motion import pitched_pose
 from atlas_drake.control.feet.step_limits import quasi_static_limits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
@@ -79,7 +79,7 @@ def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
     )
 
     def highest(heel):
-        pose = on_toes(feet[foot], heel, planner.half_length)
+        pose = pitched_pose(feet[foot], heel, planner.half_length)
         return highest_com(planner.legs, free.hips, free.com, [(foot, pose)])
 
     if free.heel:

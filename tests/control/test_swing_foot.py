@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from atlas_drake.control.feet.sole_motion import Pitch, pitch_from, pitched_pose
 from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import (
@@ -18,6 +19,8 @@ from atlas_drake.rotations import (
 DT = 0.002
 DURATION = 0.5
 PROFILE = SwingProfile()
+FLAT = Pitch()
+HALF_LENGTH = 0.13
 LEVEL = 0.1
 """Height of the ground at lift-off [m]."""
 
@@ -31,9 +34,17 @@ def step_to(x=0.7, y=0.2, z=LEVEL, yaw=0.9, swing_height=0.12):
     return Footstep(1, 0, np.array([x, y, z]), yaw, 0.7, swing_height)
 
 
-def swing_through(start, target_at, ticks, dt=DT, duration=DURATION):
+def swing_through(
+    start,
+    target_at,
+    ticks,
+    dt=DT,
+    duration=DURATION,
+    pitch=FLAT,
+    heel_first=0.0,
+):
     """References of a swing whose target is a function of time."""
-    swing = begin_swing(start, duration)
+    swing = begin_swing(start, duration, HALF_LENGTH, pitch, heel_first)
     references = []
     for tick in range(ticks):
         swing, reference = advance_swing(swing, target_at(tick * dt), PROFILE, dt)
@@ -226,3 +237,40 @@ def test_the_path_does_not_depend_on_the_tick(start, target):
         np.testing.assert_allclose(
             getattr(fine[-1], name), getattr(coarse[-1], name), atol=1e-9
         )
+
+
+RAISED = Pitch(0.25, 3.0, 20.0)
+"""Pitch of a foot that leaves the ground on its toes."""
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_heel_that_is_up_comes_down_and_the_heel_lands_first(start, turn):
+    target = step_to(yaw=0.4 + turn)
+    _, references = swing_through(
+        start, lambda _: target, SWING_TICKS, pitch=RAISED, heel_first=0.1
+    )
+    first, last = references[0], references[-1]
+    # At lift-off the toes are where they were.
+    toes = [HALF_LENGTH, 0.0, 0.0]
+    np.testing.assert_allclose(
+        first.p_WF + first.R_WF @ toes, start.p_WF + start.R_WF @ toes, atol=2e-3
+    )
+    landing = FootPose(last.p_WF, last.R_WF)
+    assert pitch_from(landing, target.normal) == pytest.approx(-0.1, abs=2e-3)
+    flat = pitched_pose(landing, 0.1, -HALF_LENGTH)
+    np.testing.assert_allclose(flat.p_WF, target.p_WF, atol=2e-3)
+    # Velocities and accelerations are those of the path, but where jerks jump.
+    p, v, a = (stacked(references, name) for name in ("p_WF", "v_WF", "a_WF"))
+    np.testing.assert_allclose((p[2:] - p[:-2]) / (2 * DT), v[1:-1], atol=6e-3)
+    faster = (v[2:] - v[:-2]) / (2 * DT)
+    down = round(PROFILE.heel_down * DURATION / DT) - 2
+    smooth = np.delete(np.arange(len(faster)), [down - 1, down, down + 1])
+    np.testing.assert_allclose(
+        off_apex(faster[smooth]), off_apex(a[1:-1][smooth]), atol=1.5
+    )
+
+
+def test_a_flat_swing_lands_flat(start, target):
+    _, references = swing_through(start, lambda _: target, SWING_TICKS)
+    landing = FootPose(references[-1].p_WF, references[-1].R_WF)
+    assert pitch_from(landing, target.normal) == pytest.approx(0.0, abs=2e-3)

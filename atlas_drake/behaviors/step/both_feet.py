@@ -22,7 +22,7 @@ from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
-from atlas_drake.control.feet.sole import on_toes, toe_off_reference
+from atlas_drake.control.feet.sole_motion import Pitch, at_rest, pitched_pose
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
@@ -88,8 +88,8 @@ class ShiftControl(StepPhaseControl[StepShift]):
         step, now = phase.step, list(phase.feet)
         later = list(enumerate(now))
         flat = now[step.foot]
-        now[step.foot] = on_toes(flat, self._heel(phase)[0], self._half_length)
-        raised = on_toes(flat, phase.heel, self._half_length)
+        now[step.foot] = pitched_pose(flat, self._heel(phase).angle, self._half_length)
+        raised = pitched_pose(flat, phase.heel, self._half_length)
         later[step.foot] = (step.foot, raised)
         later.append((step.foot, step.pose))
         stance = phase.feet[phase.stance]
@@ -101,8 +101,8 @@ class ShiftControl(StepPhaseControl[StepShift]):
         """Unloads the leaving foot and raises its heel, after pressing a new foot."""
         tools, foot = self._tools, phase.step.foot
         cop = self.cop(phase, observation)
-        angle, rate, acceleration = self._heel(phase)
-        on_toes = angle > 0.0
+        heel = self._heel(phase)
+        on_toes = heel.angle > 0.0
         landed = phase.touchdown_foot
         if landed is not None and tools.is_early(phase):
             return phase, tools.touchdown(phase, observation, landed, cop, on_toes)
@@ -112,15 +112,13 @@ class ShiftControl(StepPhaseControl[StepShift]):
         if not on_toes:
             command = tools.balance.in_contact(observation, foot, load)
             return phase, tools.with_stance(observation, foot, command)
-        reference = toe_off_reference(
-            phase.feet[foot], angle, rate, acceleration, self._half_length
-        )
+        reference = at_rest(phase.feet[foot]).pitched(heel, self._half_length)
         command = tools.balance.toeing_off(observation, foot, reference, load)
         return phase, tools.with_stance(observation, foot, command)
 
     def support(self, phase: StepShift) -> SupportPolygon:
         """Returns the present region of the CoP; a raised heel carries no load."""
-        if self._heel(phase)[0] == 0.0:
+        if self._heel(phase).angle == 0.0:
             return phase.support
         return self._tools.balance.support_on_toes(
             phase.feet[phase.stance], phase.feet[phase.step.foot]
@@ -128,9 +126,9 @@ class ShiftControl(StepPhaseControl[StepShift]):
 
     def are_both_flat(self, phase: StepShift) -> bool:
         """Returns True if the heel is down."""
-        return self._heel(phase)[0] <= 0.0
+        return self._heel(phase).angle <= 0.0
 
-    def _heel(self, phase: StepShift) -> tuple[float, float, float]:
+    def _heel(self, phase: StepShift) -> Pitch:
         return phase.heel_motion(self._rules.heel_begins)
 
     def _is_ready(self, phase: StepShift, observation: Observation) -> bool:

@@ -14,8 +14,9 @@ import numpy as np
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.weight_shift import WeightShift
+from atlas_drake.control.feet.curves import quintic_progress
+from atlas_drake.control.feet.sole_motion import Pitch
 from atlas_drake.control.feet.step_swing import StepSwing as SwingPath
-from atlas_drake.control.feet.swing_foot import quintic_progress
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose, Footstep
@@ -131,15 +132,15 @@ class StepShift(Stepping):
     heel: float  # Angle by which the leaving foot's heel has risen at lift-off [rad]
     touchdown_foot: int | None  # Foot that just landed, if any
 
-    def heel_motion(self, begins_share: float) -> tuple[float, float, float]:
-        """Evaluates the angle of the leaving foot's heel with its derivatives [rad]."""
+    def heel_motion(self, begins_share: float) -> Pitch:
+        """Evaluates the pitch of the leaving foot about its toes."""
         if self.heel == 0.0:
-            return 0.0, 0.0, 0.0
+            return Pitch()
         begins = begins_share * self.shift.duration
         takes = self.shift.duration - begins
         share = min(max((self.elapsed - begins) / takes, 0.0), 1.0)
         s, ds, dds = quintic_progress(share)
-        return self.heel * s, self.heel * ds / takes, self.heel * dds / takes**2
+        return Pitch(self.heel * s, self.heel * ds / takes, self.heel * dds / takes**2)
 
     def time_left(self, settle: float) -> float:
         """Computes the time until both feet carry again [s]."""

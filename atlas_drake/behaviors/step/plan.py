@@ -22,7 +22,7 @@ from atlas_drake.control.feet.leg_kinematics import (
     leg_length,
     lowest_com,
 )
-from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.sole_motion import pitched_pose
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
@@ -130,7 +130,7 @@ class StepPlanner:
             highest_com(self.legs, hips, com, [(foot, step.pose)]),
         )
         heel = self._heel(hips, com, foot, other, needed, step.action.toe_off)
-        leaving = on_toes(other, heel, self.half_length)
+        leaving = pitched_pose(other, heel, self.half_length)
         height = min(needed, highest_com(self.legs, hips, com, [(foot, leaving)]))
         ceiling = highest_sole(self.legs, hips, height, foot)
         return StepPlan(step, com, hips, lean, heel, height, ceiling)
@@ -150,7 +150,7 @@ class StepPlanner:
             return 0.0
         least = rules.forced_heel if setting is ToeOff.FORCE_ENABLE else 0.0
         for angle in np.linspace(0.0, rules.steepest_heel, 13):
-            pose = on_toes(flat, angle, self.half_length)
+            pose = pitched_pose(flat, angle, self.half_length)
             if highest_com(self.legs, hips, com, [(foot, pose)]) > needed - rules.drop:
                 break
         return max(float(angle), least)

@@ -38,7 +38,7 @@ from atlas_drake.control.balance.weight_shift import (
 )
 from atlas_drake.control.feet.footstep import resolve_height
 from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
-from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.sole_motion import pitched_pose
 from atlas_drake.control.feet.step_swing import plan_step_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
@@ -268,7 +268,7 @@ class StepTools:
         least = self.rules.least_clearance
         action = _below(plan.ceiling, step.action, start, goal, least)
         swing = plan_step_swing(
-            on_toes(start, plan.heel, self.planner.half_length),
+            pitched_pose(start, plan.heel, self.planner.half_length),
             start,
             goal,
             action.lift_height,

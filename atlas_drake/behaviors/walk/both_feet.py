@@ -11,8 +11,8 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.walk.config import WalkConfig, WalkRules
+from atlas_drake.behaviors.phases import PhaseControl, with_foot
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import (
     FinalTransfer,
     InitialTransfer,
@@ -23,17 +23,22 @@ from atlas_drake.behaviors.walk.phases import (
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
+from atlas_drake.control.feet.foot_roll import falling
+from atlas_drake.control.feet.sole_motion import Pitch, at_rest
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import LEFT, RIGHT
 
 
 class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     """Shifts the weight and determines when a foot lifts off."""
 
-    def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
+    def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
-        self._rules = rules
+        self._rules = rules = config.rules
+        self._roll = config.roll
+        self._half_length = balance.robot.file.sole.length / 2
         legs = balance.robot.legs
         self._knees = [leg.knee for leg in legs]
         self._straight_knees = [leg.straight + rules.straight_flexion for leg in legs]
@@ -64,27 +69,47 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
             # Hold the plan at the moment of lift-off until the DCM is near it.
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
         # Measure the feet again: since touchdown the load has turned the soles flat.
-        feet = observation.foot_poses
+        feet, pitch = observation.foot_poses, Pitch()
+        if isinstance(phase, Transfer) and phase.toe_off:
+            # The foot on its toes is known from when it was flat.
+            foot = phase.unloading
+            feet = with_foot(feet, foot, phase.progress.feet[foot])
+            on_time = late <= observation.dt
+            pitch = phase.leaving_pitch(phase.duration if on_time else phase.elapsed)
         phase = replace(phase, progress=replace(phase.progress, feet=feet))
         phase, news = planner.warn(phase, observation.time)
         if not planner.coming(phase.progress):
             # The step cannot be taken from the present poses of the feet.
             return planner.final_transfer(phase.progress, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
-        return planner.swing(phase.progress, min(late, observation.dt)), news
+        return planner.swing(phase.progress, min(late, observation.dt), pitch), news
 
     def command_feet(
         self, phase: InitialTransfer | Transfer, observation: Observation
     ) -> tuple[InitialTransfer | Transfer, tuple[FootCommand, FootCommand]]:
-        """Keeps both feet planted, and unloads the foot that lifts off next."""
-        loads = [math.inf, math.inf]
-        if phase.unloading is not None and not phase.waiting:
+        """Unloads the foot that lifts off next; the other one stays, or rolls flat."""
+        commands = [self._command(phase, observation, foot) for foot in (LEFT, RIGHT)]
+        return phase, (commands[LEFT], commands[RIGHT])
+
+    def _command(
+        self, phase: InitialTransfer | Transfer, observation: Observation, foot: int
+    ) -> FootCommand:
+        leaves, load = foot == phase.unloading, math.inf
+        if leaves and not phase.waiting:
             left_share = 1.0 - phase.elapsed / phase.duration
-            unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
-            loads[phase.unloading] = unload
-        left = self._balance.in_contact(observation, 0, loads[0])
-        right = self._balance.in_contact(observation, 1, loads[1])
-        return phase, (left, right)
+            load = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
+        if isinstance(phase, Transfer):
+            flat = at_rest(phase.progress.feet[foot])
+            if leaves and phase.toe_off:
+                pitch = phase.leaving_pitch(phase.elapsed)
+                raised = flat.pitched(pitch, self._half_length)
+                return self._balance.toeing_off(observation, foot, raised, load)
+            flat_after = self._roll.flat_after
+            if not leaves and phase.heel_first and phase.elapsed < flat_after:
+                pitch = falling(phase.heel_first, flat_after, phase.elapsed)
+                lowered = flat.pitched(pitch, -self._half_length)
+                return self._balance.on_heel(observation, foot, lowered)
+        return self._balance.in_contact(observation, foot, load)
 
     def _is_dcm_ready(
         self, phase: InitialTransfer | Transfer, observation: Observation

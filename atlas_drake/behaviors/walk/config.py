@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.feet.foot_roll import FootRoll
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import ScenarioError
@@ -18,7 +19,7 @@ class GaitTiming(Configuration):
 
     first_shift: NotNegative = 0.80
     """Weight shift before the first lift-off [s]."""
-    transfer_share: ProperShare = 0.25
+    transfer_share: ProperShare = 0.20
     """Share of a step's duration in double support [-]. The error of the DCM grows in
     single support; but the shorter the swing, the harder the almost straight trailing
     leg jerks the robot at lift-off."""
@@ -99,9 +100,14 @@ class WalkConfig(Configuration):
     """Thresholds of touchdown, lift-off and rest."""
     swing: SwingProfile = field(default_factory=SwingProfile)
     """Shape of the swing."""
+    roll: FootRoll = field(default_factory=FootRoll)
+    """Pitch of the soles at lift-off and touchdown."""
     cop_inward: NotNegative = 0.010
     """Distance of the CoP reference in single support from the middle of the stance
     sole, toward the other foot [m]."""
+    com_rise: NotNegative = 0.05
+    """Rise of the center of mass above its height in STAND, in a walk with full pitch
+    of the soles: toe-off lengthens the trailing leg, and the knees bend less [m]."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
     """The step adjustment, which moves and hastens a step for balance."""
     slack: StepSlack = field(default_factory=StepSlack)

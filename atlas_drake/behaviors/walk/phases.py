@@ -17,6 +17,8 @@ from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.behaviors.walk.config import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
+from atlas_drake.control.feet.foot_roll import rising
+from atlas_drake.control.feet.sole_motion import Pitch
 from atlas_drake.frozen import replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
@@ -137,6 +139,15 @@ class Transfer(BothFeet):
     """Double support between two steps: the weight moves to the foot that landed."""
 
     unloading: int  # Foot that lifts off at the end
+    toe_off: float = 0.0  # Pitch of that foot about its toes at lift-off [rad]
+    toe_off_time: float = 0.0  # Time in which it grows [s]
+    heel_first: float = 0.0  # Pitch with which the other foot landed [rad]
+
+    def leaving_pitch(self, time: float) -> Pitch:
+        """Evaluates the pitch of the leaving foot, ``time`` [s] into the phase."""
+        return (
+            rising(self.toe_off, self.toe_off_time, time) if self.toe_off else Pitch()
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,12 +40,14 @@ from atlas_drake.behaviors.walk.steps import (
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
 from atlas_drake.control.feet.footstep import landing_error
+from atlas_drake.control.feet.sole_motion import Pitch
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.footstep import Footstep
+from atlas_drake.messages.footstep import FootPose, Footstep
 
 P = TypeVar("P", bound=WalkPhase)
+_FLAT = Pitch()
 
 
 class WalkPlanner:
@@ -60,6 +62,7 @@ class WalkPlanner:
         self._balance = balance
         self._omega = omega
         self._config = config
+        self._half_length = balance.robot.file.sole.length / 2
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -150,8 +153,13 @@ class WalkPlanner:
         pending = _before_later_ones(step, progress)
         return replace(progress, pending=pending, recovery_index=step.index)
 
-    def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
-        """Makes the swing of the next step, shortened by ``late`` [s]."""
+    def swing(
+        self, progress: WalkProgress, late: float, pitch: Pitch = _FLAT
+    ) -> WalkSwing:
+        """Makes the swing of the next step, shortened by ``late`` [s].
+
+        Its foot leaves the ground with a ``pitch`` about its toes.
+        """
         step = self.coming(progress)[0]
         duration = self._config.timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
@@ -171,11 +179,29 @@ class WalkPlanner:
             duration=duration,
             step=step,
             sent=next(s for s in progress.pending if s.index == step.index),
-            motion=begin_swing(progress.feet[step.foot], duration),
+            motion=begin_swing(
+                progress.feet[step.foot],
+                duration,
+                self._half_length,
+                pitch,
+                self._heel_first(stance, coming),
+            ),
             sensitivity=landing_sensitivity(
                 cop, duration, progress.feet, coming, self._config, self._omega
             ),
         )
+
+    def _heel_first(self, stance: FootPose, coming: Sequence[Footstep]) -> float:
+        """Computes the pitch with which a step lands on its heel [rad].
+
+        The walk has to go on over the heel: to stop, the CoP must reach the toes.
+        """
+        step, *later = coming
+        if not later:
+            return 0.0
+        roll = self._config.roll
+        onward = roll.share(step.pose, later[0].pose)
+        return roll.heel_first * min(roll.share(stance, step.pose), onward)
 
     def move_landing(
         self, phase: WalkSwing, step: Footstep, sooner: float
@@ -195,9 +221,16 @@ class WalkPlanner:
         )
 
     def land(
-        self, progress: WalkProgress, cop: np.ndarray, early: float
+        self,
+        progress: WalkProgress,
+        cop: np.ndarray,
+        early: float,
+        heel_first: float = 0.0,
     ) -> Transfer | FinalTransfer:
-        """Makes the phase after a touchdown ``early`` by [s]: transfer or settling."""
+        """Makes the phase after a touchdown ``early`` by [s]: transfer or settling.
+
+        The foot landed on its heel with a pitch of ``heel_first`` [rad].
+        """
         coming = self.coming(progress)
         if not coming:
             return self.final_transfer(progress, cop)
@@ -205,12 +238,21 @@ class WalkPlanner:
         duration = self._config.timing.transfer(coming[0].duration)
         change = self._config.rules.transfer_change * duration
         duration += min(max(early, -change), change)
+        leaving = coming[0].foot
+        rear, front = progress.feet[leaving], progress.feet[1 - leaving]
+        roll, balance = self._config.roll, self._balance
+        toe_off = roll.toe_off * roll.share(rear, front)
         return Transfer(
             progress=progress,
             plan=self._plan(progress, coming, cop, duration),
-            support=self._balance.support(*progress.feet),
+            support=balance.support_on_toes(front, rear)
+            if toe_off
+            else balance.support(rear, front),
             duration=duration,
-            unloading=coming[0].foot,
+            unloading=leaving,
+            toe_off=toe_off,
+            toe_off_time=duration,
+            heel_first=heel_first,
         )
 
     def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:

@@ -19,6 +19,7 @@ from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     touchdown_for_balance,
 )
+from atlas_drake.control.feet.sole_motion import pitch_from, pitched_pose
 from atlas_drake.control.feet.swing_foot import advance_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
@@ -69,8 +70,12 @@ class SingleSupport(PhaseControl[WalkSwing]):
     def _touch_down(
         self, phase: WalkSwing, observation: Observation
     ) -> tuple[WalkState, tuple[Event, ...]]:
-        step = phase.step
-        landed = observation.foot_pose(step.foot)
+        step, landed = phase.step, observation.foot_pose(phase.step.foot)
+        heel_first = 0.0
+        if phase.motion.heel_first:
+            heel_first = min(pitch_from(landed, step.normal), 0.0)
+            # The foot rolls flat about its heel, and counts as flat from now on.
+            landed = pitched_pose(landed, -heel_first, -phase.motion.half_length)
         progress = replace(
             phase.progress,
             feet=with_foot(phase.progress.feet, step.foot, landed),
@@ -80,7 +85,8 @@ class SingleSupport(PhaseControl[WalkSwing]):
         # A step of the walk's own was not commanded to any other place.
         sent = step if phase.progress.last_was_recovery else phase.sent
         event = footstep_event(observation.time, sent, step, landed)
-        return self._planner.land(progress, phase.planned.cop, early), (event,)
+        cop = phase.planned.cop
+        return self._planner.land(progress, cop, early, heel_first), (event,)
 
     def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
         """Moves the landing, in place and time, when the ankles cannot hold the DCM."""

@@ -7,6 +7,7 @@ measured poses of the feet, and so does a step adjustment within a swing.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.footstep import LEFT
 from atlas_drake.rotations import mean_yaw
 
 _UPRIGHT = read_only(np.zeros(2))
@@ -55,7 +57,7 @@ class Walk(BehaviorProtocol):
         self._gait = tools.gait
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
         self.planner = WalkPlanner(balance, self._omega, config)
-        double_support = DoubleSupport(balance, self.planner, config.rules)
+        double_support = DoubleSupport(balance, self.planner, config)
         self._settling = Settling(balance, self.planner, config)
         self._controls: dict[type[WalkState], PhaseControl[Any]] = {
             InitialTransfer: double_support,
@@ -197,6 +199,17 @@ class Walk(BehaviorProtocol):
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
         return max(heights) - min(heights) <= LEVEL
 
+    def _roll_share(self, phase: WalkState) -> float:
+        """Returns the share of the soles' pitches in the present step, or the next."""
+        progress = phase.progress
+        step = phase.in_air or next(iter(self.planner.coming(progress)), None)
+        if step is None:
+            return 0.0
+        roll, stance = self._config.roll, progress.feet[1 - step.foot]
+        return max(
+            roll.share(progress.feet[step.foot], stance), roll.share(stance, step.pose)
+        )
+
     def _body_target(self, phase: WalkState) -> BodyTarget:
         left, right = feet_to_come(phase.progress, phase.in_air)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
@@ -204,10 +217,35 @@ class Walk(BehaviorProtocol):
         # as the lower leg can stretch, so that the knee of the upper leg bends less: a
         # bent knee needs more torque.
         ground = min(high, low + self._config.rules.leg_stretch)
+        rise = self._config.com_rise * self._roll_share(phase)
+        lead, rate = self._lead(phase)
         return BodyTarget(
-            height=ground + self._nominal_height,
+            height=ground + self._nominal_height + rise,
             yaw=mean_yaw(left.yaw, right.yaw),
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
             chest_tilt=_UPRIGHT,
+            lead=lead,
+            lead_rate=rate,
         )
+
+    def _lead(self, phase: WalkState) -> tuple[float, float]:
+        """Computes by how much the left foot leads [m], and the rate [m/s]."""
+        if isinstance(phase, FinalTransfer):
+            return 0.0, 0.0
+        left, right = phase.progress.feet
+        (lx, ly), (rx, ry) = left.p_WF[:2].tolist(), right.p_WF[:2].tolist()
+        vx = vy = 0.0
+        if isinstance(phase, WalkSwing):
+            motion = phase.motion
+            (x, y), (vx, vy) = motion.xy.tolist(), motion.xy_velocity.tolist()
+            if phase.step.foot == LEFT:
+                lx, ly = x, y
+            else:
+                rx, ry, vx, vy = x, y, -vx, -vy
+        yaw, most = mean_yaw(left.yaw, right.yaw), self._balance.sway.most_lead
+        c, s = math.cos(yaw), math.sin(yaw)
+        lead = c * (lx - rx) + s * (ly - ry)
+        if abs(lead) > most:
+            return math.copysign(most, lead), 0.0
+        return lead, c * vx + s * vy

@@ -14,7 +14,7 @@ import numpy as np
 
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.swing_foot import quintic_progress
+from atlas_drake.control.feet.curves import quintic_progress
 
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 """Peak acceleration of the quintic from rest to rest, over distance per duration

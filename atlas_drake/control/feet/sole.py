@@ -1,6 +1,7 @@
-"""Geometry of a sole: its corners, its contact patches, and its pose on the toes.
+"""Geometry of a sole: its corners and its contact patches.
 
-Behaviors decide when a heel rises. Regions for the CoP are in ``support_polygon``.
+Regions for the CoP are in ``support_polygon``; the pitch of a sole is in
+``sole_motion``.
 """
 
 from __future__ import annotations
@@ -9,16 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ContactModel
 from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import SoleSize
-from atlas_drake.rotations import rotation_y
 
 TOES = 0.03
-"""Length of the strip at the front of a sole that carries a foot on its toes [m]:
-geometry, shared by the plan and the QP."""
+"""Length of the strip that carries a foot on its toes, or on its heel [m]: geometry,
+shared by the plan and the QP."""
 MIDDLE = 0.01
 """Half the side of the square that counts as the middle of a sole [m]. Numerical: a
 point, but with room for the solver's tolerance."""
@@ -39,29 +38,6 @@ def sole_corners(
     return p_WF + corners @ R_WF.T
 
 
-def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
-    """Computes the pose of a sole with its heel raised by ``angle`` about the toes."""
-    toes = flat.p_WF + half_length * flat.R_WF[:, 0]
-    R_WF = flat.R_WF @ rotation_y(angle)
-    return FootPose(toes - half_length * R_WF[:, 0], R_WF)
-
-
-def toe_off_reference(
-    flat: FootPose, angle: float, rate: float, acceleration: float, half_length: float
-) -> SwingReference:
-    """Computes the motion of a sole about its toes from the angle [rad] over time."""
-    pose = on_toes(flat, angle, half_length)
-    y, arm = flat.R_WF[:, 1], -half_length * pose.R_WF[:, 0]
-    return SwingReference(
-        p_WF=pose.p_WF,
-        v_WF=rate * np.cross(y, arm),
-        a_WF=acceleration * np.cross(y, arm) - rate * rate * arm,
-        R_WF=pose.R_WF,
-        w_WF=rate * y,
-        alpha_WF=acceleration * y,
-    )
-
-
 def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
     """Computes the corners of the strip that carries the toes, in W [m], (4, 3)."""
     middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
@@ -75,6 +51,7 @@ class SolePatches:
     whole: ContactPatch  # The sole less its margins
     middle: ContactPatch  # Turns a foot that stands on an edge flat
     toes: ContactPatch  # The strip at the front of the sole, while the heel is up
+    heel: ContactPatch  # The strip at the back, while the toes are up
 
 
 def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
@@ -92,4 +69,5 @@ def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
         whole=patch((-half_length, half_length), half_width),
         middle=patch((-MIDDLE, MIDDLE), MIDDLE),
         toes=patch((tip - TOES, tip), half_width),
+        heel=patch((-tip, TOES - tip), half_width),
     )

@@ -12,11 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.config import Configuration, NotNegative, Positive
-from atlas_drake.control.feet.swing_foot import (
-    SwingReference,
-    quintic_progress,
-    rise_and_fall,
-)
+from atlas_drake.control.feet.curves import quintic_progress, rise_and_fall
+from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_about, rotation_vector
 
@@ -72,14 +69,14 @@ class StepSwing:
         """Returns True once the foot has reached the greatest search depth."""
         return self._late(time) * self.profile.late_descent >= self.profile.deepest
 
-    def evaluate(self, time: float) -> SwingReference:
+    def evaluate(self, time: float) -> SoleMotion:
         """Computes the reference at ``time`` [s] since lift-off."""
         start, goal = self.start, self.goal
         z = np.array([0.0, 0.0, 1.0])
         if time < self.lift:
             p, v, a = _along(time, self.lift, (self.top - start.p_WF[2]) * z)
             turning = _turning(time, self.lift, start.R_WF, self.flat)
-            return SwingReference(start.p_WF + p, v, a, *turning)
+            return SoleMotion(start.p_WF + p, v, a, *turning)
         if not self.is_lowering(time):
             return self._across(time - self.lift)
         over = np.array([goal.p_WF[0], goal.p_WF[1], self.top])
@@ -95,7 +92,7 @@ class StepSwing:
     def _late(self, time: float) -> float:
         return max(time - self.duration, 0.0)
 
-    def _across(self, time: float) -> SwingReference:
+    def _across(self, time: float) -> SoleMotion:
         start, goal = self.start, self.goal
         way = goal.p_WF - start.p_WF
         way = np.array([way[0], way[1], 0.0])
@@ -106,7 +103,7 @@ class StepSwing:
         a[2] += self.arc * acceleration / self.move**2
         p[:2] += start.p_WF[:2]
         turning = _turning(time, self.move, self.flat, goal.R_WF)
-        return SwingReference(p, v, a, *turning)
+        return SoleMotion(p, v, a, *turning)
 
 
 def plan_step_swing(
@@ -161,8 +158,6 @@ def _turning(
     return R_WA @ rotation_about(angle), R_WA @ rate, R_WA @ acceleration
 
 
-def _straight(
-    p: np.ndarray, v: np.ndarray, a: np.ndarray, R: np.ndarray
-) -> SwingReference:
+def _straight(p: np.ndarray, v: np.ndarray, a: np.ndarray, R: np.ndarray) -> SoleMotion:
     still = np.zeros(3)
-    return SwingReference(p_WF=p, v_WF=v, a_WF=a, R_WF=R, w_WF=still, alpha_WF=still)
+    return SoleMotion(p_WF=p, v_WF=v, a_WF=a, R_WF=R, w_WF=still, alpha_WF=still)

@@ -1,9 +1,8 @@
 """Motion of a swinging sole from lift-off to landing.
 
-Horizontal motion follows the minimum-jerk quintic (Flash, Hogan, "The coordination of
-arm movements", Journal of Neuroscience 1985), solved anew every tick from the present
-reference, so that the landing place may move during the swing without a jump. The
-choice of the landing place is in ``control.balance``.
+Horizontal motion and pitch about toes and heel follow minimum-jerk quintics, solved
+anew every tick from the present reference, so that the landing place may move during
+the swing without a jump. The choice of the landing place is in ``control.balance``.
 """
 
 from __future__ import annotations
@@ -14,13 +13,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
+from atlas_drake.control.feet.curves import (
+    quintic_progress,
+    quintic_step,
+    quintic_step_of_one,
+    rise_and_fall,
+)
+from atlas_drake.control.feet.sole_motion import Pitch, SoleMotion
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import cross, rotation_with_normal, rotation_y, wrap_angle
+from atlas_drake.rotations import cross, rotation_with_normal, wrap_angle
 
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
 the way of a hastened one [-]."""
+_FLAT = Pitch()
 
 
 @dataclass(frozen=True)
@@ -56,6 +63,9 @@ class SwingProfile(Configuration):
     if there is an edge between lift-off and landing [-]."""
     edge_height: Positive = 0.04
     """Difference in height from which ``edge_share`` applies in full [m]."""
+    heel_down: ProperShare = 0.6
+    """Share of the swing in which a heel that left the ground last comes down; then the
+    toes rise for a landing on the heel [-]."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +78,9 @@ class FootSwing:
     xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
+    pitch: Pitch  # Of a sole of this half length [m]: first about the toes,
+    half_length: float
+    heel_first: float  # then about the heel, by this much at touchdown [rad]
 
     @property
     def remaining(self) -> float:
@@ -88,27 +101,32 @@ class FootSwing:
         return replace(self, duration=duration, elapsed=duration - left)
 
 
-@dataclass(frozen=True)
-class SwingReference:
-    """Reference of the sole at one instant: pose, velocity, acceleration in W."""
+def begin_swing(
+    start: FootPose,
+    duration: float,
+    half_length: float = 0.0,
+    pitch: Pitch = _FLAT,
+    heel_first: float = 0.0,
+) -> FootSwing:
+    """Makes a swing that lifts off from ``start`` at rest but for its pitch.
 
-    p_WF: np.ndarray  # Of the sole's center: position, velocity, acceleration
-    v_WF: np.ndarray
-    a_WF: np.ndarray
-    R_WF: np.ndarray  # Orientation, angular velocity and acceleration
-    w_WF: np.ndarray
-    alpha_WF: np.ndarray
-
-
-def begin_swing(start: FootPose, duration: float) -> FootSwing:
-    """Makes a swing that lifts off from ``start`` at rest."""
-    zero = np.zeros(2)
-    return FootSwing(start, duration, 0.0, start.p_WF[:2].copy(), zero, zero)
+    Args:
+        start: Flat pose of the sole at lift-off.
+        duration: Of the swing [s].
+        half_length: Distance of toes and heel from the sole's center [m]; for a swing
+            with a pitch.
+        pitch: About the toes at lift-off.
+        heel_first: Pitch at touchdown, with the toes up [rad].
+    """
+    zero, xy = np.zeros(2), start.p_WF[:2].copy()
+    return FootSwing(
+        start, duration, 0.0, xy, zero, zero, pitch, half_length, heel_first
+    )
 
 
 def advance_swing(
     swing: FootSwing, target: Footstep, profile: SwingProfile, dt: float
-) -> tuple[FootSwing, SwingReference]:
+) -> tuple[FootSwing, SoleMotion]:
     """Advances the swing by ``dt`` [s] toward ``target``."""
     elapsed = swing.elapsed + dt
     begin, end = _horizontal_window(swing, target, profile)
@@ -129,6 +147,7 @@ def advance_swing(
         xy=xy,
         xy_velocity=velocity,
         xy_acceleration=acceleration,
+        pitch=_pitch(swing, profile, dt),
     )
     return moved, _reference(moved, target, profile)
 
@@ -149,29 +168,39 @@ def _horizontal_window(
     return lift, swing.duration - still
 
 
-def _reference(
-    swing: FootSwing, target: Footstep, profile: SwingProfile
-) -> SwingReference:
+def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:
+    """Advances the pitch about the toes to 0, and then about the heel to its goal."""
+    down, elapsed = profile.heel_down * swing.duration, swing.elapsed
+    goal, end = (0.0, down) if elapsed < down else (-swing.heel_first, swing.duration)
+    left = end - elapsed
+    if left <= dt or (goal == 0.0 and swing.pitch == _FLAT):
+        return Pitch(goal)
+    return Pitch(*quintic_step_of_one(*swing.pitch, goal, left, dt))
+
+
+def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> SoleMotion:
     z, vz, az = _height(swing, target, profile)
     T = swing.duration
     s, ds, dds = quintic_progress(swing.progress)
     tipped, tip_rate, tip_push = rise_and_fall(swing.progress, profile.apex)
     toes = _toe_pitch(swing, target, profile)
     R, turn = _sole_on_ground(swing.start, target, s)
-    w, tip = turn * (ds / T), toes * tip_rate / T
-    pitch_axis = R[:, 1]
-    return SwingReference(
+    flat = SoleMotion(
         p_WF=np.array([swing.xy[0], swing.xy[1], z]),
         v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
-        R_WF=R @ rotation_y(toes * tipped),
-        w_WF=w + tip * pitch_axis,
+        R_WF=R,
         # The rotation axis of the turn hardly moves; its rate is neglected.
-        alpha_WF=(
-            turn * (dds / T**2)
-            + (toes * tip_push / T**2) * pitch_axis
-            + tip * cross(w, pitch_axis)
-        ),
+        w_WF=turn * (ds / T),
+        alpha_WF=turn * (dds / T**2),
+    )
+    toes_down = Pitch(toes * tipped, toes * tip_rate / T, toes * tip_push / T**2)
+    motion = flat.pitched(toes_down, 0.0)
+    if swing.pitch == _FLAT:
+        return motion
+    on_toes = swing.pitch.angle > 0.0
+    return motion.pitched(
+        swing.pitch, swing.half_length if on_toes else -swing.half_length
     )
 
 
@@ -258,56 +287,4 @@ def _landing(
         speed * tau * u**3 * (1.0 - u),
         speed * u * u * (3.0 - 4.0 * u),
         speed / tau * u * (6.0 - 12.0 * u),
-    )
-
-
-def rise_and_fall(s: float, apex: float) -> tuple[float, float, float]:
-    """Computes a bump from 0 through 1 at ``apex`` to 0, with two derivatives in s.
-
-    Two minimum-jerk quintics that meet at rest; s grows from 0 to 1.
-    """
-    if s < apex:
-        r, dr, ddr = quintic_progress(s / apex)
-        return r, dr / apex, ddr / apex**2
-    fall = 1.0 - apex
-    r, dr, ddr = quintic_progress((1.0 - s) / fall)
-    return r, -dr / fall, ddr / fall**2
-
-
-def quintic_progress(s: float) -> tuple[float, float, float]:
-    """Computes 10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
-    r = 1.0 - s
-    return (
-        s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
-        30.0 * s * s * r * r,
-        60.0 * s * r * (r - s),
-    )
-
-
-def quintic_step(
-    p: np.ndarray, v: np.ndarray, a: np.ndarray, goal: np.ndarray, T: float, dt: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Advances by ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
-    # Two components: as numbers they cost a third of the time of small arrays.
-    parts = zip(p.tolist(), v.tolist(), a.tolist(), goal.tolist(), strict=True)
-    moved = [_quintic_step(*part, T, dt) for part in parts]
-    p_next, v_next, a_next = zip(*moved, strict=True)
-    return np.array(p_next), np.array(v_next), np.array(a_next)
-
-
-def _quintic_step(
-    p: float, v: float, a: float, goal: float, T: float, dt: float
-) -> tuple[float, float, float]:
-    """Advances one component of ``quintic_step``."""
-    d = goal - p - v * T - 0.5 * a * T * T
-    e = -(v + a * T) * T
-    f = -0.5 * a * T * T
-    c3 = (10.0 * d - 4.0 * e + f) / T**3
-    c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
-    c5 = (6.0 * d - 3.0 * e + f) / T**5
-    t = dt
-    return (
-        p + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5)))),
-        v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
-        a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
     )

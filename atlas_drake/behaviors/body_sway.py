@@ -1,0 +1,61 @@
+"""How pelvis and arms swing with the feet of a walk.
+
+The pelvis turns toward the leading foot, which lengthens the stride; each hand swings
+ahead with the foot of the other side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.frozen import read_only
+from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class BodySway(Configuration):
+    """Swing of pelvis and arms."""
+
+    pelvis: NotNegative = 0.3
+    """Turn of the pelvis toward the leading foot per distance by which it leads
+    [rad/m]."""
+    arms: NotNegative = 0.3
+    """Way of a hand ahead per distance by which the foot of the other side leads
+    [-]."""
+    most_lead: Positive = 0.4
+    """Distance by which a foot leads up to which both grow [m]."""
+
+
+def arm_swing(robot: Robot, arms: float) -> np.ndarray:
+    """Computes the joints' way per lead of the left foot [rad/m], shape (n,).
+
+    It is the least motion of each arm that moves its hand along the pelvis' x axis,
+    from the stand-prep pose: the right hand by ``arms`` [-] ahead, the left one back.
+    """
+    swing = np.zeros(robot.num_joints)
+    plant: Any = robot.plant
+    context, indices = plant.CreateDefaultContext(), robot.indices(plant)
+    q = plant.GetPositions(context)
+    q[indices.q] = robot.stand_prep
+    plant.SetPositions(context, q)
+    pelvis = plant.GetFrameByName(robot.file.pelvis)
+    for hand, limb, way in zip(
+        robot.file.hands, ("l_arm", "r_arm"), (-arms, arms), strict=False
+    ):
+        J = plant.CalcJacobianTranslationalVelocity(
+            context,
+            JacobianWrtVariable.kV,
+            plant.GetFrameByName(hand),
+            np.zeros(3),
+            pelvis,
+            pelvis,
+        )
+        ahead = np.where(robot.limb(limb), J[0, indices.v], 0.0)
+        if ahead.any():
+            swing += way * ahead / (ahead @ ahead)
+    return read_only(swing)

@@ -1,0 +1,59 @@
+"""How a sole rolls from its heel over its flat to its toes while the robot walks ahead.
+
+The trailing foot rises onto its toes while the weight leaves it, which lengthens its
+leg, and the leading foot lands on its heel: Griffin, Wiedebach, Bertrand, Leonessa,
+Pratt, "Straight-leg walking through underconstrained whole-body control", ICRA 2018.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.control.feet.sole_motion import Pitch
+from atlas_drake.messages.footstep import FootPose
+
+
+@dataclass(frozen=True)
+class FootRoll(Configuration):
+    """Pitches of the soles in a walk ahead on level ground."""
+
+    toe_off: NotNegative = 0.25
+    """Pitch of the trailing sole about its toes at lift-off [rad]."""
+    heel_first: NotNegative = 0.10
+    """Pitch of the leading sole at touchdown, with its toes up [rad]."""
+    shortest_stride: NotNegative = 0.05
+    """Distance between the feet up to which both pitches are 0 [m]."""
+    full_stride: Positive = 0.30
+    """Distance between the feet from which both pitches apply in full [m]."""
+    level: NotNegative = 0.02
+    """Largest difference in height of the feet with these pitches [m]."""
+    flat_after: Positive = 0.08
+    """Time in which a sole that landed on its heel turns flat [s]."""
+
+    def share(self, rear: FootPose, front: FootPose) -> float:
+        """Computes the share of the pitches that apply with the feet there [-]."""
+        way = front.p_WF - rear.p_WF
+        if abs(float(way[2])) > self.level:
+            return 0.0
+        ahead = float(way @ rear.R_WF[:, 0])
+        room = self.full_stride - self.shortest_stride
+        return min(max((ahead - self.shortest_stride) / room, 0.0), 1.0)
+
+
+def rising(angle: float, duration: float, time: float) -> Pitch:
+    """Evaluates a pitch that grows with the square of time, up to ``angle`` [rad].
+
+    Its rate at the end of the ``duration`` [s] is carried into the swing. Later it
+    stays.
+    """
+    if time > duration:
+        return Pitch(angle)
+    s = time / duration
+    return Pitch(angle * s * s, 2.0 * angle * s / duration, 2.0 * angle / duration**2)
+
+
+def falling(angle: float, duration: float, time: float) -> Pitch:
+    """Evaluates a pitch that goes from ``angle`` [rad] to rest at 0."""
+    pitch, rate, acceleration = rising(angle, duration, max(duration - time, 0.0))
+    return Pitch(pitch, -rate, acceleration if time < duration else 0.0)
