@@ -23,6 +23,10 @@ SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side. Geometry of the legs; the
 stride is the setting."""
 
+NEARING = 1.7
+"""Square of the stride on a bend, over its radius times the distance by which the feet
+may come nearer to each other [-]: 2 by geometry, less a margin for landing errors."""
+
 STANCE_WIDTH = 0.24
 """Default distance between the soles' middles of feet side by side [m]."""
 
@@ -91,25 +95,47 @@ class Gait:
         longest = longest_duration(quickest._farthest_apart, self.limits)
         return replace(quickest, duration=min(values["duration"], longest))
 
-    def at_speed(self, speed: float) -> Gait:
+    def at_speed(self, speed: float, curvature: float = 0.0) -> Gait:
         """Returns the gait that walks ahead at a speed, at its own pace if possible.
 
-        Up to the longest stride the duration stays; beyond, steps become quicker.
+        Up to the longest stride the duration stays; beyond, steps become quicker. On a
+        bend each step turns as far as its stride needs.
 
         Args:
             speed: Stride per duration [m/s].
+            curvature: Turn of the way per distance [rad/m], not negative.
 
         Raises:
             ValueError: If the robot cannot walk ahead so fast; it names the fastest.
         """
         quickest = self.limits.duration.least
-        fastest = self.longest_stride / quickest
+        longest = self._longest_on_bend(curvature)
+        fastest = longest / quickest
         if not 0.0 < speed <= fastest + _ROUNDING:
             text = f"speed is {shown(speed)}, and not above 0 and at most {fastest:.2f}"
+            if curvature:
+                text += f" with a radius of {1.0 / curvature:.2f} m"
             raise ValueError(text)
-        stride = clip(speed * self.duration, 0.01, self.longest_stride)
+        stride = clip(speed * self.duration, 0.01, longest)
         duration = clip(stride / speed, quickest, self.duration)
-        return replace(self, stride=stride, duration=duration)
+        turn = clip(stride * curvature, 0.01, self.limits.toe_in)
+        return replace(
+            self,
+            stride=stride,
+            duration=duration,
+            turn=turn if curvature else self.turn,
+        )
+
+    def _longest_on_bend(self, curvature: float) -> float:
+        """Computes the longest stride of a way with a curvature [rad/m], in [m]."""
+        if curvature == 0.0:
+            return self.longest_stride
+        limits, width = self.limits, self.stance_width
+        # A step turns by stride times curvature, which takes the feet apart lengthways
+        # as well; and the outer foot's next place may not come too near the inner one.
+        apart = (limits.forward - 0.01) / (1.0 + width * curvature)
+        near = NEARING * (width - limits.width.least) / curvature
+        return min(apart, limits.toe_in / curvature, math.sqrt(near))
 
     def turning_at(self, rate: float) -> Gait:
         """Returns the gait that turns on the spot at a rate, as for ``at_speed``.

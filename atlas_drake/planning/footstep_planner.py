@@ -110,12 +110,12 @@ def steps_along_arc(
         length: Length of the arc [m]; negative is backward.
         angle: Turn over the arc [rad], positive to the left.
         gait: Gait of the walk.
-        speed: Speed along the arc [m/s]; None for the gait's. A step that turns by the
-            most that it can makes the walk slower.
+        speed: Speed along the arc [m/s]; None for the gait's.
     """
-    gait = _gait_at(gait, speed, backward=length < 0.0)
     _check_range("length", length, MAX_DISTANCE)
     _check_range("angle", angle, MAX_TURN)
+    curvature = abs(angle / length) if length else 0.0
+    gait = _gait_at(gait, speed, backward=length < 0.0, curvature=curvature)
     return _steps(report, _arc(_middle(report), length, angle, gait), gait)
 
 
@@ -189,14 +189,19 @@ def _parts(full: float, ramp: float) -> list[float]:
         count += 1
 
 
-def _gait_at(gait: Gait | None, speed: float | None, backward: bool = False) -> Gait:
+def _gait_at(
+    gait: Gait | None,
+    speed: float | None,
+    backward: bool = False,
+    curvature: float = 0.0,
+) -> Gait:
     """Returns the gait, at the given speed if there is one [m/s]."""
     gait = gait or Gait()
     if speed is None:
         return gait
     if backward:
         speed *= gait.stride / gait.backward_stride
-    return gait.at_speed(speed)
+    return gait.at_speed(speed, curvature)
 
 
 def _steps(

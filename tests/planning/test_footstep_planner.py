@@ -202,6 +202,21 @@ def test_a_speed_is_a_stride_at_the_usual_pace_or_the_longest_one_quicker():
     taken(standing(), steps)
 
 
+@pytest.mark.parametrize(
+    ("length", "angle", "speed"), [(5.0, 6.28, 0.3), (8, -3.1, 0.5)]
+)
+def test_a_bend_is_walked_as_fast_as_asked_or_not_at_all(length, angle, speed):
+    steps = steps_along_arc(standing(), length, angle, speed=speed)
+    taken(standing(), steps)
+    # Between the steps that gain and lose speed, middle to middle of the feet.
+    places = np.array([footstep_from(step).p_WF[:2] for step in steps])[3:-3]
+    middles = 0.5 * (places[1:] + places[:-1])
+    way = np.linalg.norm(np.diff(middles, axis=0), axis=1).mean()
+    assert way / steps[3].duration == pytest.approx(speed, rel=0.05)
+    with pytest.raises(ValueError, match=r"at most \d\.\d\d with a radius of"):
+        steps_along_arc(standing(), length, angle, speed=0.65)
+
+
 def test_a_speed_backward_and_a_rate_of_turning():
     back = steps_ahead(standing(), -4.0, speed=0.4)
     pace = min(strides(back)) / back[0].duration
