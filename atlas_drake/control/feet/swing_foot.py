@@ -78,9 +78,9 @@ class FootSwing:
     xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
-    pitch: Pitch  # Of a sole of this half length [m]: first about the toes,
-    half_length: float
-    heel_first: float  # then about the heel, by this much at touchdown [rad]
+    pitch: Pitch  # About the toes after lift-off, about the heel before touchdown
+    half_length: float  # Distance of toes and heel from the sole's center [m]
+    heel_first: float  # Pitch at touchdown, with the toes up [rad]
 
     @property
     def remaining(self) -> float:
