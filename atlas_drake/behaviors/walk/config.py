@@ -51,7 +51,7 @@ class WalkRules(Configuration):
     """Share of the swing before which contact is a stumble, not a touchdown [-]."""
     unload_share: Positive = 0.4
     """Last share of a transfer in which the leaving foot is unloaded [-]."""
-    dcm_ready: NotNegative = 0.025
+    dcm_ready: NotNegative = 0.035
     """Largest DCM error for lift-off [m]."""
     dcm_lost: NotNegative = 0.03
     """Distance of the DCM outside the support polygon, beyond that of the plan, from
