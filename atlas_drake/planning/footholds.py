@@ -118,13 +118,10 @@ class Gait:
             raise ValueError(text)
         stride = clip(speed * self.duration, 0.01, longest)
         duration = clip(stride / speed, quickest, self.duration)
-        turn = clip(stride * curvature, 0.01, self.limits.toe_in)
-        return replace(
-            self,
-            stride=stride,
-            duration=duration,
-            turn=turn if curvature else self.turn,
-        )
+        turn = self.turn
+        if curvature:
+            turn = clip(stride * curvature, 0.01, self.limits.toe_in)
+        return replace(self, stride=stride, duration=duration, turn=turn)
 
     def _longest_on_bend(self, curvature: float) -> float:
         """Computes the longest stride of a way with a curvature [rad/m], in [m]."""

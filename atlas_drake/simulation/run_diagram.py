@@ -206,7 +206,9 @@ class RunDiagram:
         moved = _moved(self.variation, pose)
         self._check_place(moved, start)
         if self.writer is not None:
-            self._log_latest()
+            # A controller that failed gives no record, and is reset all the same.
+            with suppress(Exception):
+                self._log_latest()
         put_world_back(self.plant, self.plant_context, self.robot)
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(moved, start)

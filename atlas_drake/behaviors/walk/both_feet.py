@@ -24,7 +24,7 @@ from atlas_drake.behaviors.walk.phases import (
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.feet.foot_roll import falling
-from atlas_drake.control.feet.sole_motion import Pitch, at_rest
+from atlas_drake.control.feet.sole_motion import FLAT, at_rest
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.messages.footstep import LEFT, RIGHT
@@ -69,7 +69,7 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
             # Hold the plan at the moment of lift-off until the DCM is near it.
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
         # Measure the feet again: since touchdown the load has turned the soles flat.
-        feet, pitch = observation.foot_poses, Pitch()
+        feet, pitch = observation.foot_poses, FLAT
         if isinstance(phase, Transfer) and phase.toe_off:
             # The foot on its toes is known from when it was flat.
             foot = phase.unloading

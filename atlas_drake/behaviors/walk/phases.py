@@ -144,10 +144,8 @@ class Transfer(BothFeet):
     heel_first: float = 0.0  # Pitch with which the other foot landed [rad]
 
     def leaving_pitch(self, time: float) -> Pitch:
-        """Evaluates the pitch of the leaving foot, ``time`` [s] into the phase."""
-        return (
-            rising(self.toe_off, self.toe_off_time, time) if self.toe_off else Pitch()
-        )
+        """Evaluates the pitch of the leaving foot, if it has one, at a ``time`` [s]."""
+        return rising(self.toe_off, self.toe_off_time, time)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,14 +40,13 @@ from atlas_drake.behaviors.walk.steps import (
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
 from atlas_drake.control.feet.footstep import landing_error
-from atlas_drake.control.feet.sole_motion import Pitch
+from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import FootPose, Footstep
 
 P = TypeVar("P", bound=WalkPhase)
-_FLAT = Pitch()
 
 
 class WalkPlanner:
@@ -154,7 +153,7 @@ class WalkPlanner:
         return replace(progress, pending=pending, recovery_index=step.index)
 
     def swing(
-        self, progress: WalkProgress, late: float, pitch: Pitch = _FLAT
+        self, progress: WalkProgress, late: float, pitch: Pitch = FLAT
     ) -> WalkSwing:
         """Makes the swing of the next step, shortened by ``late`` [s].
 

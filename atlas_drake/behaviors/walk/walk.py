@@ -36,7 +36,7 @@ from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.footstep import LEFT
+from atlas_drake.messages.footstep import LEFT, Footstep
 from atlas_drake.rotations import mean_yaw
 
 _UPRIGHT = read_only(np.zeros(2))
@@ -186,14 +186,17 @@ class Walk(BehaviorProtocol):
             phase, progress=replace(progress, pending=pending, warned=warned)
         )
 
+    def _step_of(self, phase: WalkState) -> Footstep | None:
+        """Returns the present step, or else the next one; None without one."""
+        return phase.in_air or next(iter(self.planner.coming(phase.progress)), None)
+
     def _is_quick(self, phase: WalkState) -> bool:
         """Returns True if the present or next step is quick, on level ground.
 
         In a slow step, or up and down, a center of mass that sinks bends the knees
         beyond what they carry.
         """
-        progress = phase.progress
-        step = phase.in_air or next(iter(self.planner.coming(progress)), None)
+        progress, step = phase.progress, self._step_of(phase)
         if step is None or step.duration > self._config.rules.quick_step:
             return False
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
@@ -201,8 +204,7 @@ class Walk(BehaviorProtocol):
 
     def _roll_share(self, phase: WalkState) -> float:
         """Returns the share of the soles' pitches in the present step, or the next."""
-        progress = phase.progress
-        step = phase.in_air or next(iter(self.planner.coming(progress)), None)
+        progress, step = phase.progress, self._step_of(phase)
         if step is None:
             return 0.0
         roll, stance = self._config.roll, progress.feet[1 - step.foot]

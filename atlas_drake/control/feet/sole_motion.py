@@ -25,6 +25,10 @@ class Pitch(NamedTuple):
     acceleration: float = 0.0  # [rad/s²]
 
 
+FLAT = Pitch()
+"""The pitch of a sole that lies flat, or moves level."""
+
+
 @dataclass(frozen=True)
 class SoleMotion:
     """Reference of a sole at one instant: pose, velocity, acceleration in W."""

@@ -19,7 +19,7 @@ from atlas_drake.control.feet.curves import (
     quintic_step_of_one,
     rise_and_fall,
 )
-from atlas_drake.control.feet.sole_motion import Pitch, SoleMotion
+from atlas_drake.control.feet.sole_motion import FLAT, Pitch, SoleMotion
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import cross, rotation_with_normal, wrap_angle
@@ -27,7 +27,6 @@ from atlas_drake.rotations import cross, rotation_with_normal, wrap_angle
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
 the way of a hastened one [-]."""
-_FLAT = Pitch()
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ def begin_swing(
     start: FootPose,
     duration: float,
     half_length: float = 0.0,
-    pitch: Pitch = _FLAT,
+    pitch: Pitch = FLAT,
     heel_first: float = 0.0,
 ) -> FootSwing:
     """Makes a swing that lifts off from ``start`` at rest but for its pitch.
@@ -173,7 +172,7 @@ def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:
     down, elapsed = profile.heel_down * swing.duration, swing.elapsed
     goal, end = (0.0, down) if elapsed < down else (-swing.heel_first, swing.duration)
     left = end - elapsed
-    if left <= dt or (goal == 0.0 and swing.pitch == _FLAT):
+    if left <= dt or (goal == 0.0 and swing.pitch == FLAT):
         return Pitch(goal)
     return Pitch(*quintic_step_of_one(*swing.pitch, goal, left, dt))
 
@@ -196,7 +195,7 @@ def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> Sol
     )
     toes_down = Pitch(toes * tipped, toes * tip_rate / T, toes * tip_push / T**2)
     motion = flat.pitched(toes_down, 0.0)
-    if swing.pitch == _FLAT:
+    if swing.pitch == FLAT:
         return motion
     on_toes = swing.pitch.angle > 0.0
     return motion.pitched(
