@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.campaigns import load_campaign
 from atlas_drake.campaigns.plan import case_list, make_trial
 from atlas_drake.campaigns.trial_runner import TrialRunner
@@ -175,6 +176,28 @@ def test_pushes_share_a_walk_and_are_those_of_walks_of_their_own():
     assert record["figures"]["stands"]
     alone = TrialRunner(campaign)
     assert alone(trial("mid"))["figures"] == record["figures"]
+
+
+CAUGHT = {
+    # The foot that landed steps again, outward.
+    ("double", "inward"): 0.48,
+    # A long step.
+    ("double", "forward"): 0.87,
+    # A low, fast swing, and a quick step of the other foot.
+    ("early", "inward"): 0.42,
+    ("late", "outward"): 0.61,
+}
+"""Speeds of pushes on the walking robot by moment and direction [m/s]."""
+
+
+@pytest.mark.slow
+def test_a_walk_bears_a_push_in_any_phase():
+    pushes = module_of("push_moments")
+    with AtlasSimulation(Scenario(noise="reference", seed=3)) as sim:
+        for (moment, direction), speed in CAUGHT.items():
+            push = {"moment": moment, "direction": direction, "speed": speed}
+            for stance in ("left", "right"):
+                assert pushes.pushed_walk(sim, {**push, "stance": stance})["stands"]
 
 
 @pytest.mark.slow

@@ -60,22 +60,44 @@ def test_no_step_is_made_with_a_users_leg_without_load_or_when_switched_off(
 # ---- where to ----------------------------------------------------------------
 
 
+def capture(balance, com, dcm, **goes_on):
+    """The step, the CoP on the other sole, and the distance of the DCM from it."""
+    feet = tuple(FootPose(np.array([0.0, y, 0.05]), np.eye(3)) for y in (0.12, -0.12))
+    supports = tuple(balance.support(pose) for pose in feet)
+    com, dcm = np.array(com), np.array(dcm)
+    step = capture_step(3, feet, supports, com, dcm, OMEGA, CONFIG, **goes_on)
+    cop = supports[1 - step.foot].clamp(dcm)
+    return step, cop, dcm - cop
+
+
+FAST = np.exp(OMEGA * CONFIG.adjustment.shortest_swing)
+USUAL = np.exp(OMEGA * CONFIG.timing.swing(CONFIG.limits.duration.least))
+
+
 @pytest.mark.parametrize(
     ("dcm", "foot"), [((0.15, 0.19), RIGHT), ((-0.12, -0.19), LEFT)]
 )
 def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
-    feet = tuple(FootPose(np.array([0.0, y, 0.05]), np.eye(3)) for y in (0.12, -0.12))
-    supports = tuple(balance.support(pose) for pose in feet)
-    dcm = np.array(dcm)
-    limits, timing = CONFIG.limits, CONFIG.timing
-    step = capture_step(3, feet, supports, dcm, OMEGA, CONFIG)
-    assert (step.foot, step.index, step.duration) == (foot, 3, limits.duration.least)
+    step, cop, ahead = capture(balance, (0.0, 0.0), dcm)
+    shortest = CONFIG.limits.duration.least
+    assert (step.foot, step.index, step.duration) == (foot, 3, shortest)
     assert step.p_WF[2] == 0.05
-    cop = supports[1 - foot].clamp(dcm)
-    growth = np.exp(OMEGA * timing.swing(step.duration))
-    point = cop + growth * (dcm - cop)
     # Ahead it gets there or to its limit.
+    point = cop + USUAL * ahead
     assert step.p_WF[0] == pytest.approx(np.clip(point[0], -0.32, 0.42))
+
+
+def test_a_step_back_does_not_spread_the_feet_but_one_aside_does(balance):
+    back, cop, ahead = capture(balance, (0.0, 0.02), (-0.13, 0.02))
+    assert back.foot == LEFT
+    assert back.p_WF[1] == pytest.approx(cop[1] + FAST * ahead[1])
+    aside, cop, ahead = capture(balance, (-0.08, -0.03), (-0.13, 0.02))
+    assert aside.p_WF[1] == pytest.approx(min(cop[1] + USUAL * ahead[1], 0.38))
+
+
+def test_in_a_walk_that_goes_on_the_step_is_no_longer_than_needed(balance):
+    step, cop, ahead = capture(balance, (0.0, 0.0), (0.13, 0.19), goes_on=True)
+    np.testing.assert_allclose(step.p_WF[:1], (cop + FAST * ahead)[:1])
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -139,6 +161,36 @@ def test_lift_off_is_brought_forward_while_the_balance_is_lost(
     outcome = walk.update(phase, observe(), body, request, leaving=False)
     assert not outcome.state.brought_forward
     assert outcome.state.duration == phase.duration
+
+
+@pytest.mark.parametrize("beyond", [LEFT, RIGHT])
+def test_a_foot_that_landed_steps_again_if_it_gets_nearer_to_the_dcm(
+    walk, observe, walk_message, beyond
+):
+    message = walk_message((1, LEFT, 0.0, 0.14), (2, RIGHT, 0.2, -0.14))
+    seen = observe()
+    phase, body, request = entered(walk, seen, message)
+    feet = phase.progress.feet
+    progress = replace(
+        phase.progress,
+        pending=phase.progress.pending[1:],
+        next_index=2,
+        last_foot=LEFT,
+        last_index=1,
+    )
+    transfer = walk.planner.land(progress, feet[LEFT].p_WF[:2], 0.0)
+    lost = feet[beyond].p_WF[:2] + outward(beyond) * np.array([0.0, 0.12])
+    outcome = walk.update(transfer, observe(above=lost), body, request, leaving=False)
+    if beyond == RIGHT:  # The foot that lifts off next is the right one.
+        assert outcome.state.brought_forward
+        return
+    swing = outcome.state
+    assert isinstance(swing, WalkSwing)
+    assert (swing.step.foot, swing.step.index) == (LEFT, 1)
+    assert swing.step.p_WF[1] > feet[LEFT].p_WF[1] + 0.05
+    assert swing.progress.last_was_recovery
+    # The steps to come are still there.
+    assert [step.index for step in walk.planner.coming(swing.progress)] == [2]
 
 
 def settled(walk, observe, foot, apart):

@@ -108,14 +108,45 @@ def test_meets_the_ground_when_the_swing_is_over_and_not_before(
     # Just before, a foot that is a little low is not much too early.
     late = np.arange(1, ticks + 1) * DT > duration - 0.05
     left = duration - np.arange(1, ticks + 1) * DT
-    assert (above[:ticks][late] > 0.6 * PROFILE.landing_speed * left[late] - 1e-6).all()
+    speed = PROFILE.touchdown_speed(duration)
+    assert (above[:ticks][late] > 0.6 * speed * left[late] - 1e-6).all()
     assert above[ticks - 1] == pytest.approx(0.0, abs=1e-6)
-    assert above[ticks] == pytest.approx(-sunk_after(DT), abs=1e-6)
+    assert above[ticks] == pytest.approx(-sunk_after(DT, duration), abs=1e-6)
 
 
-def sunk_after(late):
+def sunk_after(late, duration=DURATION):
     """Descent past the planned touchdown [m]."""
-    return PROFILE.landing_speed * late + 0.5 * PROFILE.late_acceleration * late**2
+    speed = PROFILE.touchdown_speed(duration)
+    return speed * late + 0.5 * PROFILE.late_acceleration * late**2
+
+
+def test_a_short_swing_flies_low_and_lands_fast(start):
+    target = step_to(swing_height=0.1)
+    short = 0.5 * PROFILE.unhurried
+    _, references = swing_through(
+        start, lambda _: target, round(short / DT), duration=short
+    )
+    highest = stacked(references, "p_WF")[:, 2].max() - LEVEL
+    assert 0.02 < highest < 0.045
+    speed = -references[-1].v_WF[2]
+    assert speed == pytest.approx(8.0 * PROFILE.landing_speed, rel=0.02)
+
+
+def test_a_swing_that_is_hastened_sinks_smoothly(start):
+    target = step_to(swing_height=0.1)
+    swing, before = swing_through(start, lambda _: target, 100)
+    swing = swing.landing_sooner(0.15)
+    references = [before[-1]]
+    for _ in range(round(swing.remaining / DT)):
+        swing, reference = advance_swing(swing, target, PROFILE, DT)
+        references.append(reference)
+    z, vz, az = (stacked(references, name)[:, 2] for name in ("p_WF", "v_WF", "a_WF"))
+    # At the instant of the change only the velocity may jump.
+    assert np.abs(np.diff(z)).max() < 2.0 * DT
+    middle = 0.5 * (vz[2:] + vz[1:-1])
+    np.testing.assert_allclose(np.diff(z[1:]) / DT, middle, atol=0.02)
+    middle = 0.5 * (az[2:] + az[1:-1])
+    np.testing.assert_allclose((np.diff(vz[1:]) / DT)[:-1], middle[:-1], atol=0.5)
 
 
 @pytest.mark.parametrize("at", [20, 100, 200])

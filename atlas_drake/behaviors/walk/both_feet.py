@@ -52,6 +52,10 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
         if lost and not planner.coming(phase.progress):
             return planner.recover(phase.progress, observation)
         if lost and not phase.brought_forward:
+            if isinstance(phase, Transfer):
+                again = planner.step_again(phase.progress, observation)
+                if again is not None:
+                    return again
             soonest = phase.elapsed + self._rules.hurried_transfer
             duration = min(phase.duration, soonest)
             phase = replace(phase, duration=duration, brought_forward=True)

@@ -53,10 +53,10 @@ class WalkRules(Configuration):
     """Last share of a transfer in which the leaving foot is unloaded [-]."""
     dcm_ready: NotNegative = 0.035
     """Largest DCM error for lift-off [m]."""
-    dcm_lost: NotNegative = 0.03
+    dcm_lost: NotNegative = 0.01
     """Distance of the DCM outside the support polygon, beyond that of the plan, from
     which only a step saves the balance: the next foot lifts off at once [m]."""
-    hurried_transfer: NotNegative = 0.06
+    hurried_transfer: NotNegative = 0.03
     """Time to load the other foot before such a lift-off [s]."""
     feet_apart: NotNegative = 0.05
     """Distance of a foot from its place beside the other one, from which it is put

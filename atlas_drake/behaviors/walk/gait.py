@@ -20,6 +20,9 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
+ROUNDING = 1e-9
+"""A distance [m] that counts as none. Numerical."""
+
 
 def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
     """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
@@ -116,23 +119,34 @@ def capture_step(
     index: int,
     feet: Sequence[FootPose],
     supports: Sequence[SupportPolygon],
+    com: np.ndarray,
     dcm: np.ndarray,
     omega: float,
     config: WalkConfig,
+    goes_on: bool = False,
 ) -> Footstep:
     """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
 
     The foot that gets nearer to that point steps. The CoP r is the point of the other
-    sole that is nearest to the DCM.
+    sole that is nearest to the DCM. The time T is that of a quick swing, though balance
+    may hasten it: the robot stops more surely behind a long step. Sideways, where the
+    DCM goes away from the stance foot in any case, that holds only for a robot that
+    moves sideways as fast as ahead or back; else T is that of the fastest swing. It
+    is so, too, in a walk that ``goes_on``.
     """
     duration = config.limits.duration.least
-    growth = math.exp(omega * config.timing.swing(duration))
+    fast = math.exp(omega * config.adjustment.shortest_swing)
+    usual = math.exp(omega * config.timing.swing(duration))
 
     def step_of(foot: int) -> tuple[float, Footstep]:
         """The step of one foot, and its distance from the point [m]."""
         stance = feet[1 - foot]
+        R = rotation_z(stance.yaw)[:2, :2]
+        ahead, aside = np.abs(R.T @ (dcm - com)).tolist()
+        sideways = min(aside / max(ahead, ROUNDING), 1.0)
+        growth = np.array([usual, fast + sideways * (usual - fast)])
         cop = supports[1 - foot].clamp(dcm)
-        point = cop + growth * (dcm - cop)
+        point = cop + R @ ((fast if goes_on else growth) * (R.T @ (dcm - cop)))
         p_WF = np.append(point, stance.p_WF[2])
         step = Footstep(index, foot, p_WF, stance.yaw, duration, config.swing.height)
         step = saturate(step, stance, config.limits)

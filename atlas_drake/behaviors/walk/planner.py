@@ -115,25 +115,51 @@ class WalkPlanner:
         self, progress: WalkProgress, observation: Observation
     ) -> tuple[WalkSwing, tuple[Event, ...]]:
         """Makes the swing of a step that catches a DCM outside the feet."""
-        feet = observation.foot_poses
-        step = capture_step(
+        progress = replace(progress, feet=observation.foot_poses)
+        step = self._recovery_step(progress, observation, goes_on=False)
+        return self._catch(progress, step, observation.time)
+
+    def step_again(
+        self, progress: WalkProgress, observation: Observation
+    ) -> tuple[WalkSwing, tuple[Event, ...]] | None:
+        """Makes the swing in which the foot that just landed catches the DCM.
+
+        The steps to come follow it. None if the other foot gets nearer to the DCM.
+        """
+        step = self._recovery_step(progress, observation, goes_on=True)
+        if step.foot != progress.last_foot:
+            return None
+        again = replace(step, index=progress.last_index)
+        return self._catch(progress, again, observation.time)
+
+    def _recovery_step(
+        self, progress: WalkProgress, observation: Observation, goes_on: bool
+    ) -> Footstep:
+        feet, terms = progress.feet, observation.terms
+        return capture_step(
             progress.next_index,
             feet,
             (self._balance.support(feet[0]), self._balance.support(feet[1])),
-            feedback.dcm(observation.terms, self._omega),
+            terms.com[:2],
+            feedback.dcm(terms, self._omega),
             self._omega,
             self._config,
+            goes_on,
         )
+
+    def _catch(
+        self, progress: WalkProgress, step: Footstep, time: float
+    ) -> tuple[WalkSwing, tuple[Event, ...]]:
         begun = replace(
             progress,
-            feet=feet,
-            aimed=feet,
+            aimed=progress.feet,
             pending=_before_later_ones(step, progress),
+            next_index=step.index,
             last_foot=None,
             recovery_index=step.index,
         )
         swing = self.swing(begun, 0.0)
-        return swing, (recovery_event(observation.time, swing.step),)
+        return swing, (recovery_event(time, swing.step),)
 
     def square_up(self, progress: WalkProgress) -> WalkProgress | None:
         """Adds a square-up step after a recovery step; None if none is needed."""

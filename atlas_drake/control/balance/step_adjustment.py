@@ -40,15 +40,15 @@ class StepAdjustmentLimits(Configuration):
     """DCM error at touchdown that double support can correct, along the sole [m]."""
     tolerated_sideways: NotNegative = 0.02
     """DCM error at touchdown that double support can correct, across the sole [m]."""
-    stretch: NotNegative = 0.10
+    stretch: NotNegative = 0.20
     """Distance by which a step for balance may exceed the limits of commanded steps
     ahead, back and outward [m]."""
-    reach: Positive = 0.60
+    reach: Positive = 0.75
     """Largest distance between the feet after a step for balance [m]."""
     shortest_swing: Positive = 0.20
     """Duration of the fastest swing that balance may demand [s]. A swing that has begun
     slower takes the same share of it for the rest of its path."""
-    foot_speed: Positive = 2.5
+    foot_speed: Positive = 3.0
     """Largest mean horizontal speed of a foot in a hastened swing [m/s]."""
     out_of_reach: NotNegative = 0.01
     """A swing is hastened if at its planned end the landing place for balance is out

@@ -65,6 +65,20 @@ class SwingProfile(Configuration):
     heel_down: ProperShare = 0.6
     """Share of the swing in which a heel that left the ground last comes down; then the
     toes rise for a landing on the heel [-]."""
+    unhurried: Positive = 0.4
+    """Duration T from which a swing has its full height and ``landing_speed`` [s]. A
+    shorter one rises less, as T², so that the foot needs no larger acceleration, and
+    lands faster, as 1/T³, so that a foot behind its reference is not late."""
+    lowering_time: Positive = 0.03
+    """Time constant with which the height follows when a swing is hastened [s]."""
+
+    def height_share(self, duration: float) -> float:
+        """Computes the share of its height that a swing reaches [-]."""
+        return min(duration / self.unhurried, 1.0) ** 2
+
+    def touchdown_speed(self, duration: float) -> float:
+        """Computes the speed at which a swing lands [m/s]."""
+        return self.landing_speed / min(duration / self.unhurried, 1.0) ** 3
 
 
 @dataclass(frozen=True)
@@ -80,6 +94,7 @@ class FootSwing:
     pitch: Pitch  # About the toes after lift-off, about the heel before touchdown
     half_length: float  # Distance of toes and heel from the sole's center [m]
     heel_first: float  # Pitch at touchdown, with the toes up [rad]
+    height_share: float = 1.0  # Of the height that the step demands
 
     @property
     def remaining(self) -> float:
@@ -147,6 +162,7 @@ def advance_swing(
         xy_velocity=velocity,
         xy_acceleration=acceleration,
         pitch=_pitch(swing, profile, dt),
+        height_share=_height_share(swing, profile, dt),
     )
     return moved, _reference(moved, target, profile)
 
@@ -175,6 +191,14 @@ def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:
     if left <= dt or (goal == 0.0 and swing.pitch == FLAT):
         return Pitch(goal)
     return Pitch(*quintic_step_of_one(*swing.pitch, goal, left, dt))
+
+
+def _height_share(swing: FootSwing, profile: SwingProfile, dt: float) -> float:
+    """Advances the share of the height to that of the present duration."""
+    goal = profile.height_share(swing.duration)
+    if swing.elapsed == 0.0:
+        return goal
+    return goal + (swing.height_share - goal) * math.exp(-dt / profile.lowering_time)
 
 
 def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> SoleMotion:
@@ -253,7 +277,7 @@ def _height(
     z0 = float(swing.start.p_WF[2])
     climb = float(target.p_WF[2]) - z0
     if swing.elapsed >= T:
-        late, speed = swing.elapsed - T, profile.landing_speed
+        late, speed = swing.elapsed - T, profile.touchdown_speed(T)
         a = profile.late_acceleration
         sunk = (speed + 0.5 * a * late) * late
         return z0 + climb - sunk, -speed - a * late, -a
@@ -265,10 +289,17 @@ def _height(
     # The landing's own height counts at the apex.
     at_apex, _, _ = _landing(profile.apex * T, T, profile)
     height = target.swing_height - 0.5 * abs(climb) - at_apex
+    # The share c of the height decays to its goal, so that ċ = (goal - c) / τ.
+    c, tau = swing.height_share, profile.lowering_time
+    dc = (profile.height_share(T) - c) / tau
+    db, ddb = db / T, ddb / (T * T)
+    takes = share * T
     return (
-        z0 + climb * r + height * b + above,
-        (climb * dr / share + height * db) / T + rate,
-        (climb * ddr / share**2 + height * ddb) / (T * T) + push,
+        z0 + climb * r + height * c * b + above,
+        climb * dr / takes + height * (c * db + dc * b) + rate,
+        climb * ddr / takes**2
+        + height * (c * ddb + 2.0 * dc * db - dc / tau * b)
+        + push,
     )
 
 
@@ -280,7 +311,7 @@ def _landing(
     It ends at 0 with the landing speed v downward; u grows from 0 to 1 during the last
     τ of the swing's duration T [s].
     """
-    tau, speed = min(T, profile.landing_time), profile.landing_speed
+    tau, speed = min(T, profile.landing_time), profile.touchdown_speed(T)
     u = max((elapsed - T) / tau + 1.0, 0.0)
     return (
         speed * tau * u**3 * (1.0 - u),
