@@ -188,6 +188,8 @@ def test_the_sensitivity_is_the_derivative_by_the_landing_place(feet, steps, cop
     found = landing_sensitivity(cop, FIRST, feet, steps, CONFIG, OMEGA)
     assert found == pytest.approx((dcm(1e-3) - dcm(-1e-3)) / 2e-3, rel=1e-6)
     assert 0.5 < found < 1.0
+    # After the last step the CoP may be below the foot that landed.
+    assert landing_sensitivity(cop, FIRST, feet, steps[:1], CONFIG, OMEGA) == 1.0
 
 
 def test_the_cop_of_single_support_is_where_the_configuration_has_it(

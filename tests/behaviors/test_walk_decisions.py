@@ -41,7 +41,7 @@ RULES = WalkRules(
     straight_flexion=0.12,
     frozen_end=0.06,
     rest_speed=0.08,
-    transfer_change=0.15,
+    transfer_change=0.40,
 )
 """The defaults, in numbers: another default is another walk."""
 

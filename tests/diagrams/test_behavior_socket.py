@@ -269,7 +269,7 @@ def test_its_configuration_is_where_those_of_shipped_behaviors_are(tmp_path):
     # A log has every value.
     written = as_plain(sim.scenario)["controller"]
     assert written["rest"] == {"depth": 0.5, "name": "short"}
-    assert written["walk"]["limits"]["forward"] == 0.58
+    assert written["walk"]["limits"]["forward"] == 0.65
     make_atlas_station(sim.robot, behaviors=[entry])
     assert told[1:] == [RestConfig(depth=0.3, name="short")]
 

@@ -75,7 +75,7 @@ class WalkRules(Configuration):
     quick_step: NotNegative = 0.70
     """Longest duration of a step in which the height of the center of mass may yield
     (``gains.weights.com_height_quick``) [s]: it has no time to sink far."""
-    transfer_change: NotNegative = 0.15
+    transfer_change: NotNegative = 0.40
     """Largest change of a transfer's duration, as a share of it, to correct an early or
     late touchdown. A larger timing error comes from a disturbance, and is not corrected
     further [-]."""

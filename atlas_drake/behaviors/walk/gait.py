@@ -80,9 +80,13 @@ def landing_sensitivity(
     """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
 
     The following steps are held fixed, so that the plan is linear in the landing place,
-    and any offset gives the same result.
+    and any offset gives the same result. After the last step the plan moves the CoP
+    slowly to the middle of the feet; to save the balance it may be below the landed
+    foot at once, so that the DCM may be there as well.
     """
     first, *rest = steps
+    if not rest:
+        return 1.0
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
 
     def dcm_at_touchdown(step: Footstep) -> float:
