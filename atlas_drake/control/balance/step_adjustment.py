@@ -43,7 +43,7 @@ class StepAdjustmentLimits(Configuration):
     stretch: NotNegative = 0.20
     """Distance by which a step for balance may exceed the limits of commanded steps
     ahead, back and outward [m]."""
-    reach: Positive = 0.75
+    reach: Positive = 0.70
     """Largest distance between the feet after a step for balance [m]."""
     shortest_swing: Positive = 0.20
     """Duration of the fastest swing that balance may demand [s]. A swing that has begun
