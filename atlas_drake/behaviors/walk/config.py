@@ -20,9 +20,9 @@ class GaitTiming(Configuration):
     first_shift: NotNegative = 0.80
     """Weight shift before the first lift-off [s]."""
     transfer_share: ProperShare = 0.20
-    """Share of a step's duration in double support [-]. The error of the DCM grows in
-    single support; but the shorter the swing, the harder the almost straight trailing
-    leg jerks the robot at lift-off."""
+    """Share of a step's duration in double support [-]. In single support the error of
+    the DCM grows, and only the ankle corrects it; but a shorter swing takes more
+    energy, 10 % at a share of a quarter."""
     settle: NotNegative = 0.70
     """Weight shift to the middle of the feet after the last step [s]."""
     rest: NotNegative = 0.50
