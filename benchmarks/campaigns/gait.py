@@ -1,4 +1,4 @@
-"""What a walk costs: energy, knees and torques between its third and its third last step.
+"""What a walk costs: energy, knees and torques, without its first and last steps.
 
 ``gait.yaml`` repeats it.
 """
