@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake import AtlasSimulation
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.messages.event import FOOTSTEP
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import ANKLE_PITCH, Robot
@@ -19,7 +20,6 @@ SKIPPED = 3
 """Steps at both ends of the walk that do not count."""
 STANDS = 0.2
 """Load from which a knee counts as that of a stance leg [weights of the robot]."""
-GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
@@ -40,24 +40,21 @@ class WalkingEffort:
         legs = robot.legs
         self._knees = [leg.knee for leg in legs]
         self._least = STANDS * robot.mass * GRAVITY
-        self._limit = robot.effort_limit
         self._joints = {
             "knee": self._knees,
             "ankle_pitch": [leg.joints[ANKLE_PITCH] for leg in legs],
             "ankle_roll": [leg.joints[ANKLE_PITCH + 1] for leg in legs],
         }
-        self._peaks = np.zeros(robot.num_joints)
         self._now = Sums(0.0, 0.0, 0, np.zeros(2))
         self._landed: list[Sums] = []
         self._time = 0.0
 
     def update(self, record: TickRecord) -> None:
         """Adds a record to the sums."""
-        joints, feet, now = record.joints, record.feet, self._now
+        joints, now = record.joints, self._now
         power = joints.effort * joints.velocity
-        loads = np.array([feet.left_force[2], feet.right_force[2]])
         bent = np.abs(joints.position[self._knees])
-        stands = loads > self._least
+        stands = np.array(record.feet.loads) > self._least
         self._now = Sums(
             now.work + float(power[power > 0.0].sum()) * (record.time - self._time),
             now.knees + float(bent[stands].sum()),
@@ -65,7 +62,6 @@ class WalkingEffort:
             record.balance.com[:2],
         )
         self._time = record.time
-        self._peaks = np.maximum(self._peaks, np.abs(joints.effort))
         if any(event.kind == FOOTSTEP for event in record.events):
             self._landed.append(self._now)
 
@@ -75,7 +71,7 @@ class WalkingEffort:
             return {}
         first, last = self._landed[SKIPPED - 1], self._landed[-SKIPPED]
         way = float(np.hypot(*(last.com - first.com)))
-        share = self._peaks / self._limit
+        share = sim.output("peaks")
         return {
             "energy_j_per_m": (last.work - first.work) / way,
             "stance_knee_deg": float(

@@ -33,15 +33,7 @@ def walk(distance, **settings):
 
 def pitches(records):
     """Pitch of both soles in each tick [rad], shape (k, 2)."""
-    return np.array(
-        [
-            [
-                pitch_of(record.feet.left_orientation),
-                pitch_of(record.feet.right_orientation),
-            ]
-            for record in records
-        ]
-    )
+    return np.array([[pitch_of(q) for q in r.feet.orientations] for r in records])
 
 
 def pitch_of(wxyz):
@@ -51,7 +43,7 @@ def pitch_of(wxyz):
 
 def loads(records):
     """Vertical forces on both feet [N], shape (k, 2)."""
-    return np.array([[r.feet.left_force[2], r.feet.right_force[2]] for r in records])
+    return np.array([r.feet.loads for r in records])
 
 
 def stance_knee(records):

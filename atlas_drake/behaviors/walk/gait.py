@@ -20,9 +20,6 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
-ROUNDING = 1e-9
-"""A distance [m] that counts as none. Numerical."""
-
 
 def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
     """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
@@ -140,17 +137,17 @@ def capture_step(
     """
     duration = config.limits.duration.least
     fast = math.exp(omega * config.adjustment.shortest_swing)
-    usual = math.exp(omega * config.timing.swing(duration))
+    usual = fast if goes_on else math.exp(omega * config.timing.swing(duration))
 
     def step_of(foot: int) -> tuple[float, Footstep]:
         """The step of one foot, and its distance from the point [m]."""
         stance = feet[1 - foot]
         R = rotation_z(stance.yaw)[:2, :2]
         ahead, aside = np.abs(R.T @ (dcm - com)).tolist()
-        sideways = min(aside / max(ahead, ROUNDING), 1.0)
+        sideways = aside / (max(ahead, aside) or 1.0)
         growth = np.array([usual, fast + sideways * (usual - fast)])
         cop = supports[1 - foot].clamp(dcm)
-        point = cop + R @ ((fast if goes_on else growth) * (R.T @ (dcm - cop)))
+        point = cop + R @ (growth * (R.T @ (dcm - cop)))
         p_WF = np.append(point, stance.p_WF[2])
         step = Footstep(index, foot, p_WF, stance.yaw, duration, config.swing.height)
         step = saturate(step, stance, config.limits)
