@@ -280,13 +280,14 @@ class Balance:
             self._contact(foot, self._patches.toes, max_load),
         )
 
-    def on_heel(
-        self, observation: Observation, foot: int, reference: SoleMotion
+    def rolling_flat(
+        self, observation: Observation, foot: int, reference: SoleMotion, toes: bool
     ) -> FootCommand:
-        """Commands a foot on its heel, whose toes follow ``reference``."""
+        """Commands a foot on its toes or heel to turn flat along ``reference``."""
+        patch = self._patches.toes if toes else self._patches.heel
         return FootCommand(
             self._following(observation, foot, reference, self._stance_weight),
-            self._contact(foot, self._patches.heel, self._trusted(observation, foot)),
+            self._contact(foot, patch, self._trusted(observation, foot)),
         )
 
     def _resting(

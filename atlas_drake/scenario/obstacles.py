@@ -62,7 +62,7 @@ class Stairs(Obstacle):
     """A flight of steps that rises along x, and a landing on top."""
 
     rise: Length = 0.10
-    """Height of each step [m]. WALK takes 0.15 m with ``atlas``, 0.06 m with
+    """Height of each step [m]. WALK takes 0.20 m with ``atlas``, 0.06 m with
     ``atlas_v3``."""
     run: Length = 0.35
     """Depth of each step [m]."""

@@ -96,8 +96,7 @@ def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, sw
     for number, (kind, step, start, end) in enumerate(with_times(sequence)):
         if kind != "swing":
             continue
-        stance = 1 - step.foot
-        under = stance_cop(poses[stance], stance, INWARD)
+        under = stance_cop(poses, step, CONFIG)
         np.testing.assert_allclose(plan.evaluate(end - 1e-9).cop, under, atol=1e-6)
         if number > 0 or not swinging:
             for share in (0.01, 0.5, 0.99):
@@ -142,11 +141,26 @@ def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
 @pytest.mark.parametrize("yaw", [0.0, 0.8, -2.0])
 def test_the_stance_cop_is_moved_inward_and_turns_with_the_foot(foot, yaw):
     middle = np.array([1.0, 2.0, 0.3])
-    level = stance_cop(FootPose(middle, np.eye(3)), foot, INWARD) - middle[:2]
-    turned = stance_cop(FootPose(middle, rotation_z(yaw)), foot, INWARD) - middle[:2]
-    np.testing.assert_allclose(turned, rotation_z(yaw)[:2, :2] @ level, atol=1e-12)
+
+    def shift(yaw, start, end):
+        """The shift in a step of the other foot from one height to another."""
+        stance = FootPose(middle, rotation_z(yaw))
+        feet = [FootPose(middle + np.array([0.0, 0.0, start]), np.eye(3))] * 2
+        feet[foot] = stance
+        goal = middle + np.array([0.0, 0.0, end])
+        step = Footstep(1, 1 - foot, goal, 0.0, 0.63, 0.1)
+        return stance_cop(feet, step, CONFIG) - middle[:2]
+
+    level = shift(0.0, 0.0, 0.0)
+    turned = rotation_z(yaw)[:2, :2] @ level
+    np.testing.assert_allclose(shift(yaw, 0.0, 0.0), turned, atol=1e-12)
     # Towards the other foot.
     np.testing.assert_allclose(level, [0.0, -outward(foot) * INWARD], atol=1e-12)
+    # On stairs toward the toes, by the higher of two steps.
+    ahead = [shift(0.0, *heights)[0] for heights in ((-0.2, 0.2), (0.0, 0.2))]
+    np.testing.assert_allclose(ahead, 0.2 * CONFIG.cop_up, atol=1e-12)
+    ahead = [shift(0.0, *heights)[0] for heights in ((0.2, -0.2), (0.0, -0.2))]
+    np.testing.assert_allclose(ahead, 0.2 * CONFIG.cop_down, atol=1e-12)
 
 
 def test_a_plan_begins_at_the_present_dcm():
@@ -199,11 +213,11 @@ def test_the_cop_of_single_support_is_where_the_configuration_has_it(
     planner = WalkPlanner(Balance(model.robot, ControlGains()), OMEGA, config)
     request = BehaviorRequest(Behavior.WALK, AtlasSimInterfaceCommand(), 1)
     swing = planner.swing(WalkProgress(feet, feet, steps, 1, request), 0.0)
-    expected = stance_cop(feet[RIGHT], RIGHT, 0.03)
+    expected = stance_cop(feet, steps[0], config)
     moved = planner.move_landing(swing, steps[0], 0.1)
     assert moved.duration == pytest.approx(swing.duration - 0.1)
     for plan in (swing.plan, moved.plan):
         np.testing.assert_allclose(plan.evaluate(0.0).cop, expected, atol=1e-12)
         last = plan.segments[-2].end
-        under = stance_cop(steps[1].pose, RIGHT, 0.03)
+        under = stance_cop((steps[0].pose, steps[1].pose), steps[2], config)
         np.testing.assert_allclose(last, under, atol=1e-12)

@@ -22,11 +22,12 @@ from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
+from atlas_drake.control.feet.sole_motion import Pitch, pitch_from
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body import ComTask
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.messages.footstep import LEFT, RIGHT, UP, FootPose
 from atlas_drake.rotations import rotation_z
 
 from .conftest import as_request
@@ -34,6 +35,7 @@ from .conftest import as_request
 RULES = WalkRules(
     touchdown_force=0.08,
     landing_force=0.01,
+    landing_turn=0.03,
     earliest_touchdown=0.75,
     unload_share=0.4,
     dcm_ready=0.035,
@@ -300,6 +302,28 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
     assert walk.control(phase).advance(phase, elsewhere, False)[0] is phase
 
 
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(
+    ("left", "aimed", "turned", "touches"),
+    [
+        (0.01, 0.3, 1.1 * RULES.landing_turn, True),
+        (0.01, 0.3, 0.9 * RULES.landing_turn, False),
+        (0.07, 0.3, 1.1 * RULES.landing_turn, False),
+        (0.01, -0.3, 1.1 * RULES.landing_turn, False),
+    ],
+)
+def test_a_foot_on_its_toes_has_landed_when_the_ground_turns_it(
+    walk, observe, swinging, foot, left, aimed, turned, touches
+):
+    phase = swinging(foot, swinging(foot, 0.0).duration - left)
+    seen = replace(observe(), foot_force=np.zeros(2))
+    now = pitch_from(seen.foot_pose(foot), UP)
+    motion = replace(phase.motion, landing_pitch=aimed, pitch=Pitch(now + turned))
+    phase = replace(phase, motion=motion)
+    after, _ = walk.control(phase).advance(phase, seen, False)
+    assert isinstance(after, Transfer) == touches
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_walk_is_over_when_the_robot_has_come_to_rest(
     walk, observe, walk_message, axis
@@ -359,8 +383,7 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
     paths = walk.paths(phase, phase.planned.dcm, omega)
     np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
     np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
-    stance, inward = phase.progress.feet[1 - foot], WalkConfig().cop_inward
-    under = stance_cop(stance, 1 - foot, inward)
+    under = stance_cop(phase.progress.feet, phase.step, WalkConfig())
     np.testing.assert_allclose(plan.cop_reference, under, atol=1e-9)
     assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
         (foot, 0.2),

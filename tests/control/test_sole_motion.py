@@ -92,6 +92,26 @@ def test_the_soles_pitch_on_level_ground_ahead_only():
     assert share(0.3, up=2.0 * roll.level) == 0.0
 
 
+def test_on_stairs_the_lower_sole_is_on_its_toes():
+    roll = FootRoll()
+
+    def at(up, ahead=0.3):
+        return FootPose(FLAT.p_WF + [0.0, 0.0, up] + ahead * FLAT.R_WF[:, 0], FLAT.R_WF)
+
+    pitch = roll.climb * (0.15 - roll.level)
+    assert 0.2 < pitch < roll.most_climb
+    # It leaves a step up, and lands a step down, whatever comes next.
+    assert roll.leaving(FLAT, at(0.15)) == pytest.approx(pitch)
+    assert roll.landing(FLAT, at(-0.15), None) == pytest.approx(pitch)
+    assert roll.landing(FLAT, at(-0.15), at(-0.3, 0.6)) == pytest.approx(pitch)
+    assert roll.leaving(FLAT, at(0.5)) == roll.most_climb
+    # The higher sole stays flat.
+    assert roll.leaving(FLAT, at(-0.15)) == roll.landing(FLAT, at(0.15), None) == 0.0
+    # On level ground it lands on its heel, unless the walk is about to stop.
+    assert roll.landing(FLAT, at(0.0), at(0.0, 0.6)) == -roll.heel_first
+    assert roll.landing(FLAT, at(0.0), None) == 0.0
+
+
 def test_the_strip_that_carries_lies_at_the_front():
     corners = (toe_corners(FLAT, HALF_LENGTH, HALF_WIDTH) - FLAT.p_WF) @ FLAT.R_WF
     assert corners[:, 0].max() == pytest.approx(HALF_LENGTH)

@@ -41,10 +41,10 @@ def swing_through(
     dt=DT,
     duration=DURATION,
     pitch=FLAT,
-    heel_first=0.0,
+    landing_pitch=0.0,
 ):
     """References of a swing whose target is a function of time."""
-    swing = begin_swing(start, duration, HALF_LENGTH, pitch, heel_first)
+    swing = begin_swing(start, duration, HALF_LENGTH, pitch, landing_pitch)
     references = []
     for tick in range(ticks):
         swing, reference = advance_swing(swing, target_at(tick * dt), PROFILE, dt)
@@ -278,7 +278,7 @@ RAISED = Pitch(0.25, 3.0, 20.0)
 def test_a_heel_that_is_up_comes_down_and_the_heel_lands_first(start, turn):
     target = step_to(yaw=0.4 + turn)
     _, references = swing_through(
-        start, lambda _: target, SWING_TICKS, pitch=RAISED, heel_first=0.1
+        start, lambda _: target, SWING_TICKS, pitch=RAISED, landing_pitch=-0.1
     )
     first, last = references[0], references[-1]
     # At lift-off the toes are where they were.

@@ -109,10 +109,11 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
                 raised = flat.pitched(pitch, self._half_length)
                 return self._balance.toeing_off(observation, foot, raised, load)
             flat_after = self._roll.flat_after
-            if not leaves and phase.heel_first and phase.elapsed < flat_after:
-                pitch = falling(phase.heel_first, flat_after, phase.elapsed)
-                lowered = flat.pitched(pitch, -self._half_length)
-                return self._balance.on_heel(observation, foot, lowered)
+            if not leaves and phase.landed and phase.elapsed < flat_after:
+                pitch = falling(phase.landed, flat_after, phase.elapsed)
+                edge = math.copysign(self._half_length, phase.landed)
+                lowered = flat.pitched(pitch, edge)
+                return self._balance.rolling_flat(observation, foot, lowered, edge > 0)
         return self._balance.in_contact(observation, foot, load)
 
     def _is_dcm_ready(

@@ -47,6 +47,9 @@ class WalkRules(Configuration):
     """Normal force that counts as touchdown in the last part of a swing, ``frozen_end``
     long, and later, when the ground is expected; in weights of the robot [-]. A foot
     that bounces lightly passes between two ticks through any larger force."""
+    landing_turn: Positive = 0.03
+    """Turn of a sole on its toes, from its reference toward flat, that counts as
+    touchdown [rad]."""
     earliest_touchdown: Share = 0.75
     """Share of the swing before which contact is a stumble, not a touchdown [-]."""
     unload_share: Positive = 0.4
@@ -105,6 +108,11 @@ class WalkConfig(Configuration):
     cop_inward: NotNegative = 0.010
     """Distance of the CoP reference in single support from the middle of the stance
     sole, toward the other foot [m]."""
+    cop_up: NotNegative = 0.45
+    """Distance of that reference ahead of the middle of the stance sole, per height of
+    a step up [-]: the higher knee carries less."""
+    cop_down: NotNegative = 0.30
+    """The same per height of a step down [-]."""
     com_rise: NotNegative = 0.05
     """Rise of the center of mass above its height in STAND, in a walk with full pitch
     of the soles: toe-off lengthens the trailing leg, and the knees bend less [m]."""

@@ -21,13 +21,23 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 
-def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
-    """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
+def stance_cop(
+    feet: Sequence[FootPose], step: Footstep, config: WalkConfig
+) -> np.ndarray:
+    """Computes the CoP reference for single support during ``step`` [m], shape (2,).
 
-    It lies ``inward`` [m] from the middle of the sole, toward the other foot.
+    It lies near the middle of the stance sole, toward the other foot, and in a step up
+    toward the toes.
     """
-    to_the_other = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
-    return pose.p_WF[:2] + inward * to_the_other
+    start, stance = feet[step.foot], feet[1 - step.foot]
+    ground = float(stance.p_WF[2])
+    below, beyond = ground - float(start.p_WF[2]), float(step.p_WF[2]) - ground
+    up, down = max(below, beyond, 0.0), max(-below, -beyond, 0.0)
+    ahead = max(config.cop_up * up, config.cop_down * down)
+    R_WS = rotation_z(stance.yaw)[:2]
+    # The step's side is that of the other foot.
+    inward = outward(step.foot) * config.cop_inward
+    return stance.p_WF[:2] + ahead * R_WS[:, 0] + inward * R_WS[:, 1]
 
 
 def plan_walk(
@@ -49,8 +59,7 @@ def plan_walk(
     segments: list[CopSegment] = []
     poses = list(feet)
     for number, step in enumerate(steps):
-        stance = 1 - step.foot
-        target = stance_cop(poses[stance], stance, config.cop_inward)
+        target = stance_cop(poses, step, config)
         first = number == 0
         if not (first and swinging):
             duration = first_phase if first else timing.transfer(step.duration)

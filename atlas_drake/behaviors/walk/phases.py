@@ -66,6 +66,11 @@ class WalkPhase(Phase):
         return None
 
     @property
+    def lower_pitch(self) -> float:
+        """Pitch of the lower foot about its toes at the phase's end [rad]."""
+        return 0.0
+
+    @property
     def planned(self) -> DcmReference:
         """The present point of the plan."""
         return self.plan.evaluate(self.plan_time)
@@ -141,7 +146,12 @@ class Transfer(BothFeet):
     unloading: int  # Foot that lifts off at the end
     toe_off: float = 0.0  # Pitch of that foot about its toes at lift-off [rad]
     toe_off_time: float = 0.0  # Time in which it grows [s]
-    heel_first: float = 0.0  # Pitch with which the other foot landed [rad]
+    landed: float = 0.0  # Pitch with which the other foot landed [rad]
+
+    @property
+    def lower_pitch(self) -> float:
+        """Pitch that the leaving foot has at lift-off [rad]."""
+        return self.toe_off
 
     def leaving_pitch(self, time: float) -> Pitch:
         """Evaluates the pitch of the leaving foot, if it has one, at a ``time`` [s]."""
@@ -161,6 +171,15 @@ class WalkSwing(WalkPhase):
     def in_air(self) -> Footstep:
         """The step being taken."""
         return self.step
+
+    def lowers(self, profile: swing_foot.SwingProfile) -> bool:
+        """Returns True unless it is too early to sink toward a landing further down."""
+        return self.motion.progress >= 1.0 - profile.climb_share
+
+    @property
+    def lower_pitch(self) -> float:
+        """Pitch with which a foot lands on its toes [rad]."""
+        return max(self.motion.landing_pitch, 0.0)
 
     def paths(self, com: np.ndarray, profile: swing_foot.SwingProfile) -> PlannedPaths:
         """Adds the path of the swing sole from lift-off to touchdown."""

@@ -188,7 +188,7 @@ class WalkPlanner:
         step = self.coming(progress)[0]
         duration = self._config.timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
-        cop = stance_cop(stance, 1 - step.foot, self._config.cop_inward)
+        cop = stance_cop(progress.feet, step, self._config)
         begun = replace(
             progress,
             pending=tuple(s for s in progress.pending if s.index > step.index),
@@ -209,24 +209,18 @@ class WalkPlanner:
                 duration,
                 self._half_length,
                 pitch,
-                self._heel_first(stance, coming),
+                self._landing_pitch(stance, coming),
             ),
             sensitivity=landing_sensitivity(
                 cop, duration, progress.feet, coming, self._config, self._omega
             ),
         )
 
-    def _heel_first(self, stance: FootPose, coming: Sequence[Footstep]) -> float:
-        """Computes the pitch with which a step lands on its heel [rad].
-
-        The walk has to go on over the heel: to stop, the CoP must reach the toes.
-        """
+    def _landing_pitch(self, stance: FootPose, coming: Sequence[Footstep]) -> float:
+        """Computes the pitch with which a step lands [rad]."""
         step, *later = coming
-        if not later:
-            return 0.0
-        roll = self._config.roll
-        onward = roll.share(step.pose, later[0].pose)
-        return roll.heel_first * min(roll.share(stance, step.pose), onward)
+        onward = later[0].pose if later else None
+        return self._config.roll.landing(stance, step.pose, onward)
 
     def move_landing(
         self, phase: WalkSwing, step: Footstep, sooner: float
@@ -234,8 +228,7 @@ class WalkPlanner:
         """Replans a swing for another landing place, and a ``sooner`` touchdown [s]."""
         duration = phase.duration - sooner
         progress = phase.progress
-        stance = 1 - step.foot
-        cop = stance_cop(progress.feet[stance], stance, self._config.cop_inward)
+        cop = stance_cop(progress.feet, step, self._config)
         coming = self.coming(progress, step)
         return replace(
             phase,
@@ -250,11 +243,11 @@ class WalkPlanner:
         progress: WalkProgress,
         cop: np.ndarray,
         early: float,
-        heel_first: float = 0.0,
+        landed: float = 0.0,
     ) -> Transfer | FinalTransfer:
         """Makes the phase after a touchdown ``early`` by [s]: transfer or settling.
 
-        The foot landed on its heel with a pitch of ``heel_first`` [rad].
+        The foot landed with a pitch of ``landed`` [rad].
         """
         coming = self.coming(progress)
         if not coming:
@@ -265,8 +258,8 @@ class WalkPlanner:
         duration += min(max(early, -change), change)
         leaving = coming[0].foot
         rear, front = progress.feet[leaving], progress.feet[1 - leaving]
-        roll, balance = self._config.roll, self._balance
-        toe_off = roll.toe_off * roll.share(rear, front)
+        balance = self._balance
+        toe_off = self._config.roll.leaving(rear, front)
         return Transfer(
             progress=progress,
             plan=self._plan(progress, coming, cop, duration),
@@ -277,7 +270,7 @@ class WalkPlanner:
             unloading=leaving,
             toe_off=toe_off,
             toe_off_time=duration,
-            heel_first=heel_first,
+            landed=landed,
         )
 
     def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:

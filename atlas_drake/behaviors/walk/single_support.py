@@ -5,6 +5,8 @@ Computes each tick of the phase; ``planner`` makes the plans that it follows.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
@@ -47,9 +49,9 @@ class SingleSupport(PhaseControl[WalkSwing]):
         least = self._touchdown_force
         if phase.duration - phase.elapsed < self._rules.frozen_end:
             least = min(least, self._landing_force)
-        touched = (
-            phase.motion.progress >= self._rules.earliest_touchdown
-            and observation.foot_force[phase.step.foot] > least
+        touched = phase.motion.progress >= self._rules.earliest_touchdown and (
+            observation.foot_force[phase.step.foot] > least
+            or self._gives_way(phase, observation)
         )
         return self._touch_down(phase, observation) if touched else (phase, ())
 
@@ -67,15 +69,28 @@ class SingleSupport(PhaseControl[WalkSwing]):
         feet = (swing, stance) if foot == LEFT else (stance, swing)
         return replace(phase, motion=motion), feet
 
+    def _gives_way(self, phase: WalkSwing, observation: Observation) -> bool:
+        """Returns True if the ground turns a sole that lands on its toes.
+
+        Its ankle yields to forces that are too small to count.
+        """
+        motion = phase.motion
+        if motion.landing_pitch <= 0.0 or motion.remaining > self._rules.frozen_end:
+            return False
+        pose = observation.foot_pose(phase.step.foot)
+        turned = motion.pitch.angle - pitch_from(pose, phase.step.normal)
+        return turned > self._rules.landing_turn
+
     def _touch_down(
         self, phase: WalkSwing, observation: Observation
     ) -> tuple[WalkState, tuple[Event, ...]]:
         step, landed = phase.step, observation.foot_pose(phase.step.foot)
-        heel_first = 0.0
-        if phase.motion.heel_first:
-            heel_first = min(pitch_from(landed, step.normal), 0.0)
-            # The foot rolls flat about its heel, and counts as flat from now on.
-            landed = pitched_pose(landed, -heel_first, -phase.motion.half_length)
+        pitch, aimed = 0.0, phase.motion.landing_pitch
+        if aimed:
+            sign = math.copysign(1.0, aimed)
+            pitch = sign * max(sign * pitch_from(landed, step.normal), 0.0)
+            # The foot rolls flat about heel or toes, and counts as flat from now on.
+            landed = pitched_pose(landed, -pitch, sign * phase.motion.half_length)
         progress = replace(
             phase.progress,
             feet=with_foot(phase.progress.feet, step.foot, landed),
@@ -86,7 +101,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
         sent = step if phase.progress.last_was_recovery else phase.sent
         event = footstep_event(observation.time, sent, step, landed)
         cop = phase.planned.cop
-        return self._planner.land(progress, cop, early, heel_first), (event,)
+        return self._planner.land(progress, cop, early, pitch), (event,)
 
     def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
         """Moves the landing, in place and time, when the ankles cannot hold the DCM."""

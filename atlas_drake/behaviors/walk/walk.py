@@ -55,6 +55,7 @@ class Walk(BehaviorProtocol):
         self._rates = replace(tools.rates, height=config.rules.height_rate)
         self._config = config
         self._gait = tools.gait
+        self._half_length = balance.robot.file.sole.length / 2
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
         self.planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self.planner, config)
@@ -215,10 +216,13 @@ class Walk(BehaviorProtocol):
     def _body_target(self, phase: WalkState) -> BodyTarget:
         left, right = feet_to_come(phase.progress, phase.in_air)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
+        if isinstance(phase, WalkSwing) and not phase.lowers(self._config.swing):
+            low = float(phase.progress.feet[1 - phase.step.foot].p_WF[2])
         # With feet at different heights, now or after this step, raise the CoM as far
         # as the lower leg can stretch, so that the knee of the upper leg bends less: a
-        # bent knee needs more torque.
-        ground = min(high, low + self._config.rules.leg_stretch)
+        # bent knee needs more torque. On its toes the lower foot's middle is higher.
+        raised = self._half_length * phase.lower_pitch
+        ground = min(high, low + self._config.rules.leg_stretch + raised)
         rise = self._config.com_rise * self._roll_share(phase)
         lead, rate = self._lead(phase)
         return BodyTarget(

@@ -1,8 +1,9 @@
 """How a sole rolls from its heel over its flat to its toes while the robot walks ahead.
 
 The trailing foot rises onto its toes while the weight leaves it, which lengthens its
-leg, and the leading foot lands on its heel: Griffin, Wiedebach, Bertrand, Leonessa,
-Pratt, "Straight-leg walking through underconstrained whole-body control", ICRA 2018.
+leg, and the leading foot lands on its heel, or a step down on its toes: Griffin,
+Wiedebach, Bertrand, Leonessa, Pratt, "Straight-leg walking through underconstrained
+whole-body control", ICRA 2018.
 """
 
 from __future__ import annotations
@@ -28,6 +29,12 @@ class FootRoll(Configuration):
     """Distance between the feet from which both pitches apply in full [m]."""
     level: NotNegative = 0.02
     """Largest difference in height of the feet with these pitches [m]."""
+    climb: NotNegative = 3.5
+    """Pitch of the lower sole about its toes per difference in height beyond ``level``,
+    before it leaves a step up and when it lands a step down [rad/m]: the other knee
+    bends less."""
+    most_climb: NotNegative = 0.55
+    """Largest pitch for a difference in height [rad]."""
     flat_after: Positive = 0.08
     """Time in which a sole that landed on its heel turns flat [s]."""
 
@@ -39,6 +46,28 @@ class FootRoll(Configuration):
         ahead = float(way @ rear.R_WF[:, 0])
         room = self.full_stride - self.shortest_stride
         return min(max((ahead - self.shortest_stride) / room, 0.0), 1.0)
+
+    def leaving(self, rear: FootPose, front: FootPose) -> float:
+        """Computes the pitch of the trailing sole at lift-off [rad]."""
+        return self.toe_off * self.share(rear, front) + self._up(rear, front)
+
+    def landing(
+        self, stance: FootPose, landing: FootPose, onward: FootPose | None
+    ) -> float:
+        """Computes the pitch of the leading sole at touchdown [rad].
+
+        The walk has to go ``onward`` to land on the heel: to stop, the CoP must reach
+        the toes.
+        """
+        down = self._up(landing, stance)
+        if down or onward is None:
+            return down
+        goes_on = self.share(landing, onward)
+        return -self.heel_first * min(self.share(stance, landing), goes_on)
+
+    def _up(self, low: FootPose, high: FootPose) -> float:
+        climb = float(high.p_WF[2] - low.p_WF[2])
+        return min(max(climb - self.level, 0.0) * self.climb, self.most_climb)
 
 
 def rising(angle: float, duration: float, time: float) -> Pitch:

@@ -91,9 +91,9 @@ class FootSwing:
     xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
-    pitch: Pitch  # About the toes after lift-off, about the heel before touchdown
+    pitch: Pitch  # About the toes with the heel up, about the heel with the toes up
     half_length: float  # Distance of toes and heel from the sole's center [m]
-    heel_first: float  # Pitch at touchdown, with the toes up [rad]
+    landing_pitch: float  # Pitch at touchdown [rad]
     height_share: float = 1.0  # Of the height that the step demands
 
     @property
@@ -120,7 +120,7 @@ def begin_swing(
     duration: float,
     half_length: float = 0.0,
     pitch: Pitch = FLAT,
-    heel_first: float = 0.0,
+    landing_pitch: float = 0.0,
 ) -> FootSwing:
     """Makes a swing that lifts off from ``start`` at rest but for its pitch.
 
@@ -130,11 +130,11 @@ def begin_swing(
         half_length: Distance of toes and heel from the sole's center [m]; for a swing
             with a pitch.
         pitch: About the toes at lift-off.
-        heel_first: Pitch at touchdown, with the toes up [rad].
+        landing_pitch: Pitch at touchdown, positive with the heel up [rad].
     """
     zero, xy = np.zeros(2), start.p_WF[:2].copy()
     return FootSwing(
-        start, duration, 0.0, xy, zero, zero, pitch, half_length, heel_first
+        start, duration, 0.0, xy, zero, zero, pitch, half_length, landing_pitch
     )
 
 
@@ -184,9 +184,9 @@ def _horizontal_window(
 
 
 def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:
-    """Advances the pitch about the toes to 0, and then about the heel to its goal."""
+    """Advances the pitch about the toes to 0, and then to that of the landing."""
     down, elapsed = profile.heel_down * swing.duration, swing.elapsed
-    goal, end = (0.0, down) if elapsed < down else (-swing.heel_first, swing.duration)
+    goal, end = (0.0, down) if elapsed < down else (swing.landing_pitch, swing.duration)
     left = end - elapsed
     if left <= dt or (goal == 0.0 and swing.pitch == FLAT):
         return Pitch(goal)
