@@ -31,6 +31,8 @@ STANCE_WIDTH = 0.24
 """Default distance between the soles' middles of feet side by side [m]."""
 
 _ROUNDING = 1e-9
+_TURN_MARGIN = 0.02
+"""Distance from the limits of a turn that landing errors need [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +58,7 @@ class Gait:
 
     Attributes:
         stride: Distance from one footprint to the next [m]; at most 0.35 for Atlas.
-        turn: Turn of each step [rad]; at most 0.25 for Atlas.
+        turn: Mean turn of a step [rad]; at most 0.5 for Atlas.
         duration: Duration of each step [s]; at most 3.0 for Atlas, less with a stride
             that takes the feet far apart, about 1.4 with the longest.
         stride_change: Largest change of the stride from one step to the next [m].
@@ -84,7 +86,7 @@ class Gait:
                 this gait's.
         """
         limits = self.limits
-        turn = clip(desired.get("turn", self.turn), 0.01, limits.toe_in)
+        turn = clip(desired.get("turn", self.turn), 0.01, self.sharpest_turn)
         # The longest stride depends on the turn, and the longest duration on both.
         turning = replace(self, stride=0.01, turn=turn, duration=limits.duration.least)
         values: dict[str, Any] = {
@@ -109,7 +111,7 @@ class Gait:
             ValueError: If the robot cannot walk ahead so fast; it names the fastest.
         """
         quickest = self.limits.duration.least
-        longest = self._longest_on_bend(curvature)
+        longest = self.longest_on_bend(curvature)
         fastest = longest / quickest
         if not 0.0 < speed <= fastest + _ROUNDING:
             text = f"speed is {shown(speed)}, and not above 0 and at most {fastest:.2f}"
@@ -123,7 +125,7 @@ class Gait:
             turn = clip(stride * curvature, 0.01, self.limits.toe_in)
         return replace(self, stride=stride, duration=duration, turn=turn)
 
-    def _longest_on_bend(self, curvature: float) -> float:
+    def longest_on_bend(self, curvature: float) -> float:
         """Computes the longest stride of a way with a curvature [rad/m], in [m]."""
         if curvature == 0.0:
             return self.longest_stride
@@ -144,14 +146,39 @@ class Gait:
             ValueError: If the robot cannot turn so fast; it names the fastest.
         """
         quickest = self.limits.duration.least
-        fastest = self.limits.toe_in / quickest
+        fastest = self.sharpest_turn / quickest
         if not 0.0 < rate <= fastest + _ROUNDING:
             text = f"rate is {shown(rate)}, and not above 0 and at most {fastest:.2f}"
             raise ValueError(text)
-        turn = clip(rate * self.duration, 0.01, self.limits.toe_in)
-        return replace(
-            self, turn=turn, duration=clip(turn / rate, quickest, self.duration)
-        )
+        duration = self.turning_duration(rate)
+        return replace(self, turn=max(rate * duration, 0.01), duration=duration)
+
+    def turning_duration(self, rate: float) -> float:
+        """Returns the duration of steps that turn at a rate, not 0 [rad/s].
+
+        Both feet turn alike, if need be in quicker steps; only the quickest have the
+        outward foot turn farther.
+        """
+        alike = self.limits.toe_in / abs(rate)
+        return max(min(self.duration, alike), self.limits.duration.least)
+
+    @property
+    def sharpest_turn(self) -> float:
+        """Largest mean turn of a step [rad].
+
+        Hips turn farther outward than inward.
+        """
+        limits = self.limits
+        most = limits.toe_in + max(limits.toe_in, limits.toe_out)
+        return 0.5 * most - _TURN_MARGIN
+
+    def turn_of(self, foot: int, turn: float) -> float:
+        """Returns the turn of a step of ``foot`` in a walk that turns by ``turn`` each.
+
+        The outward foot makes up for what is beyond the inward one's limit.
+        """
+        beyond = max(abs(turn) - self.limits.toe_in + _TURN_MARGIN, 0.0)
+        return turn + outward(foot) * beyond
 
     @property
     def longest_stride(self) -> float:
@@ -175,7 +202,7 @@ class Gait:
         return (
             ("stride", 0.01, self.longest_stride),
             ("stride_change", 0.01, math.inf),
-            ("turn", 0.01, limits.toe_in),
+            ("turn", 0.01, self.sharpest_turn),
             ("swing_height", *limits.swing_height),
             ("duration", *limits.duration),
         )
@@ -260,11 +287,12 @@ def step_from(
     """Computes the foothold of a step relative to the stance foot.
 
     ``stride`` is ahead of the stance foot [m], ``turn`` that of the middle between the
-    feet, on the spot [rad]. Only the foot on the side of ``shift`` [m] takes it; the
-    other foot then closes up.
+    feet, on the spot and on average [rad]. Only the foot on the side of ``shift`` [m]
+    takes it; the other foot then closes up.
     """
     left = shift if shift * outward(foot) > 0.0 else 0.0
-    middle = moved(middle_beside(stance, 1 - foot, gait), stride, left, turn)
+    beside = middle_beside(stance, 1 - foot, gait)
+    middle = moved(beside, stride, left, gait.turn_of(foot, turn))
     return sole_beside(middle, foot, gait)
 
 

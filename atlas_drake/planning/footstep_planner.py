@@ -222,6 +222,11 @@ def _steps(
         middle = _next_middle(stance, remaining[0], foot, gait)
         apart = math.dist(feet[0][:2], feet[1][:2])
         feet[foot] = sole_beside(middle, foot, gait)
+        if len(remaining) > 1:
+            # Only at the end both feet have the heading of the middle.
+            turn = wrap_angle(middle.yaw - stance.yaw)
+            yaw = stance.yaw + gait.turn_of(foot, turn)
+            feet[foot] = feet[foot]._replace(yaw=yaw)
         step = step_data(len(steps) + 1, foot, feet[foot], gait)
         step.pose.position.z = height
         # Before the first step the feet may be farther apart than in the gait.

@@ -7,9 +7,10 @@ from the report alone: from where the feet land to where the next steps lead.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
-from atlas_drake.control.feet.footstep import clip
+from atlas_drake.control.feet.footstep import clip, longest_duration
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
     AtlasBehaviorStepData,
@@ -20,7 +21,6 @@ from atlas_drake.messages import (
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.footstep import LEFT, RIGHT
 from atlas_drake.planning.footholds import (
-    SIDEWAYS_SHARE,
     Foothold,
     Gait,
     foothold,
@@ -120,29 +120,46 @@ class Pace(NamedTuple):
 def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:
     """Returns the steps of a velocity, or of the nearest that the robot can walk."""
     limits = gait.limits
+    gait = _narrow_if_needed(gait, left)
     backward = limits.backward / limits.forward if forward < 0.0 else 1.0
-    # Per second; a side step takes two steps and its share of a stride.
-    stride_rate = max(abs(forward) / backward, 2.0 * abs(left) / SIDEWAYS_SHARE)
+    stride_rate = abs(forward) / backward  # Per second
+    widest = limits.width.greatest - gait.stance_width - SIDE_BY_SIDE
     quickest = limits.duration.least
     duration = gait.duration
+    if left:
+        duration = min(duration, 0.5 * widest / abs(left))
+        apart = gait.stance_width + 2.0 * abs(left) * duration
+        duration = min(duration, longest_duration(apart, limits))
     if stride_rate or turn:
         # Turning takes the feet apart lengthways as well.
         apart_rate = stride_rate + gait.stance_width * abs(turn)
         duration = min(duration, gait.nearest(turn=0.0).longest_stride / apart_rate)
+    if forward and turn:
+        longest = gait.longest_on_bend(abs(turn / forward))
+        duration = min(duration, longest / abs(forward))
     if turn:
-        duration = min(duration, limits.toe_in / abs(turn))
+        duration = min(duration, gait.turning_duration(turn))
     duration = max(duration, quickest)
     paced = gait.nearest(
         stride=stride_rate * duration, turn=abs(turn) * duration, duration=duration
     )
     longest = backward * paced.stride
-    widest = SIDEWAYS_SHARE * paced.stride
     return Pace(
         paced,
         clip(forward * paced.duration, -longest, longest),
         clip(2.0 * left * paced.duration, -widest, widest),
         clip(turn * paced.duration, -paced.turn, paced.turn),
     )
+
+
+def _narrow_if_needed(gait: Gait, left: float) -> Gait:
+    """Returns the gait, with the feet near each other if side steps need the room."""
+    limits = gait.limits
+    room = limits.width.greatest - gait.stance_width - SIDE_BY_SIDE
+    # A side step takes two steps.
+    if 2.0 * abs(left) * limits.duration.least <= room:
+        return gait
+    return replace(gait, stance_width=limits.width.least + SIDE_BY_SIDE)
 
 
 class _Beginning(NamedTuple):

@@ -227,6 +227,19 @@ def test_a_speed_backward_and_a_rate_of_turning():
     )
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_fast_turn_is_taken_by_the_outward_foot(sign):
+    gait = Gait()
+    rate = gait.sharpest_turn / gait.limits.duration.least
+    steps = steps_turning(standing(), sign * 2.0, rate=rate)
+    assert_ends_at(taken(standing(), steps), 0.0, 0.0, sign * 2.0)
+    turns = -sign * np.diff([0.0, *(footstep_from(step).yaw for step in steps)])
+    outward, inward = turns[:-2:2], turns[1:-2:2]
+    np.testing.assert_allclose(-inward, gait.limits.toe_in, atol=0.03)
+    assert -outward[0] > gait.limits.toe_in + 0.1
+    assert max(-outward) <= gait.limits.toe_out
+
+
 @pytest.mark.parametrize("width", [0.2, 0.23, 0.26])
 def test_feet_a_little_nearer_or_wider_need_no_step_more(width):
     assert len(steps_ahead(standing(width=width), 1.0)) == 6
@@ -296,7 +309,7 @@ def test_steps_are_level_with_the_feet():
         (lambda: steps_to(standing(), 1.0, 0.0, 0.0, speed=math.nan), "speed"),
         (lambda: steps_turning(standing(), 1.0, rate=9.0), "rate"),
         (lambda: Gait(stride=0.5), "gait.stride"),
-        (lambda: Gait(turn=0.3), "gait.turn"),
+        (lambda: Gait(turn=0.4), "gait.turn"),
         (lambda: Gait(duration=0.1), "gait.duration"),
         (lambda: Gait(swing_height=math.nan), "gait.swing_height"),
     ],

@@ -3,12 +3,15 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
+from pydrake.math import RollPitchYaw
 
 from atlas_drake import (
     AtlasSimulation,
     Behavior,
     Gait,
+    Scenario,
     stop_walking,
     walk_at,
 )
@@ -26,6 +29,7 @@ from atlas_drake.planning.footholds import (
 )
 from atlas_drake.planning.walk_at import first_open_step
 from atlas_drake.rotations import rotation_z
+from atlas_drake.scenario import Jitter
 
 GAIT = Gait()
 AHEAD = GAIT.stride / GAIT.duration
@@ -40,6 +44,10 @@ VELOCITIES = {
     "turn left": (0.0, 0.0, TURN),
     "turn right": (0.0, 0.0, -TURN),
     "on the spot": (0.0, 0.0, 0.0),
+    # Feet near each other make room for a wider side step; only a foot that turns
+    # outward turns so far.
+    "fast to the left": (0.0, 0.24, 0.0),
+    "fast turn right": (0.0, 0.0, -0.58),
 }
 
 
@@ -198,6 +206,33 @@ def test_a_turned_walk_stops_once_the_step_in_the_air_closes_it(standing, yaw, s
     walking(standing, [step_data(2, RIGHT, right._replace(yaw=yaw), GAIT)])
     asked = stop_walking(standing).behavior
     assert asked == (Behavior.STAND if stops else Behavior.WALK)
+
+
+def test_the_fastest_side_steps_make_the_speed(standing):
+    steps = follow(standing, VELOCITIES["fast to the left"], 8)
+    way = middle(standing)[1]
+    assert way / sum(step.duration for step in steps) == pytest.approx(0.24, rel=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("left", "turn"), [(0.45, 0.0), (0.0, -1.0)], ids=["aside", "on the spot"]
+)
+def test_a_robot_goes_as_fast_as_asked(left, turn):
+    sim = AtlasSimulation(Scenario(seed=3, jitter=Jitter(mass=0.05)))
+    gait = sim.scenario.controller_config().gait()
+    places = []
+    while sim.time < 8.0:
+        command = walk_at(sim.atlas_sim_interface_state, 0.0, left, turn, gait)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(0.1)
+        yaw = RollPitchYaw(sim.pelvis_pose.rotation()).yaw_angle()
+        places.append((*sim.pelvis_pose.translation()[:2], yaw))
+    x, y, yaw = np.unwrap(places[30:], axis=0).T
+    assert (yaw[-1] - yaw[0]) / 4.9 == pytest.approx(turn, abs=0.05)
+    assert math.hypot(x[-1] - x[0], y[-1] - y[0]) / 4.9 == pytest.approx(left, abs=0.03)
+    assert max(step["error_m"] for step in sim.footsteps) < 0.01
 
 
 @pytest.mark.slow

@@ -93,7 +93,7 @@ def test_a_robots_value_that_cannot_be_used_is_named(robot_with):
         ("{walk: {limits: {far: 0.1}}}", "walk.limits.far"),
         ("{walk: {steps: {stride: 0.7}}}", "walk.steps.stride"),
         ("{walk: {swing: {height: 0.5}}}", "walk.swing.height"),
-        ("{stance: {width: 0.6}}", "stance.width"),
+        ("{stance: {width: 0.7}}", "stance.width"),
         ("{manipulate: {range: {yaw: [1, -1]}}}", "manipulate.range.yaw"),
     ],
 )
