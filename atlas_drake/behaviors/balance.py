@@ -19,6 +19,7 @@ from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.partial_foothold import TippingRules, carrying_part
 from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.gains import ControlGains
@@ -38,7 +39,7 @@ from atlas_drake.control.whole_body.tasks import (
     orientation_acceleration,
     position_acceleration,
 )
-from atlas_drake.frozen import read_only
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
@@ -224,7 +225,11 @@ class Balance:
         )
 
     def in_contact(
-        self, observation: Observation, foot: int, max_load: float = math.inf
+        self,
+        observation: Observation,
+        foot: int,
+        max_load: float = math.inf,
+        carrying: ContactPatch | None = None,
     ) -> FootCommand:
         """Commands a foot in contact to rest, loaded by at most ``max_load`` weights.
 
@@ -233,11 +238,34 @@ class Balance:
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
         patch = self._patches.whole if rests else self._patches.middle
+        if carrying is not None:
+            patch = carrying
         trusted = self._trusted(observation, foot)
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._contact(foot, patch, min(max_load, trusted)),
         )
+
+    def carrying_part(
+        self,
+        observation: Observation,
+        foot: int,
+        rest: np.ndarray,
+        so_far: ContactPatch | None,
+        rules: TippingRules,
+    ) -> ContactPatch | None:
+        """Finds the part of a sole that carries if the sole tips; else ``so_far``.
+
+        ``rest`` is the normal of the sole when it rested, in W.
+        """
+        terms, whole = observation.terms.feet[foot], self._patches.whole
+        corners = (so_far or whole).corners
+        part = carrying_part(corners, terms.R_WF, terms.V_WF, rest, rules)
+        return so_far if part is None else replace(whole, corners=part)
+
+    def support_on(self, carrying: ContactPatch, pose: FootPose) -> SupportPolygon:
+        """Computes the region of the CoP on the part of a sole that carries."""
+        return SupportPolygon(pose.p_WF[:2] + carrying.corners @ pose.R_WF[:2, :2].T)
 
     def _felt(self, observation: Observation, foot: int) -> float:
         """Returns the load on a foot, in weights of the robot."""

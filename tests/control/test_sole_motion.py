@@ -98,7 +98,7 @@ def test_on_stairs_the_lower_sole_is_on_its_toes():
     def at(up, ahead=0.3):
         return FootPose(FLAT.p_WF + [0.0, 0.0, up] + ahead * FLAT.R_WF[:, 0], FLAT.R_WF)
 
-    pitch = roll.climb * (0.15 - roll.level)
+    pitch = roll.climb * (0.15 - roll.easy_climb)
     assert 0.2 < pitch < roll.most_climb
     # It leaves a step up, and lands a step down, whatever comes next.
     assert roll.leaving(FLAT, at(0.15)) == pytest.approx(pitch)

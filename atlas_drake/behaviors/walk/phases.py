@@ -19,6 +19,7 @@ from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.control.feet.foot_roll import rising
 from atlas_drake.control.feet.sole_motion import Pitch
+from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.frozen import replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
@@ -166,6 +167,7 @@ class WalkSwing(WalkPhase):
     sent: Footstep  # The same step as commanded
     motion: swing_foot.FootSwing  # Reference of the swing foot
     sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
+    carrying: ContactPatch | None = None  # Part of the stance sole, if it tipped
 
     @property
     def in_air(self) -> Footstep:

@@ -36,6 +36,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
         self._planner = planner
         self._rules = config.rules
         self._profile = config.swing
+        self._tipping = config.tipping
         self._adjustment = config.adjustment
         loose = config.slack.loosen(config.limits)
         self._limits = loose.extended(config.adjustment.stretch)
@@ -64,7 +65,10 @@ class SingleSupport(PhaseControl[WalkSwing]):
             phase.motion, phase.step, self._profile, observation.dt
         )
         foot = phase.step.foot
-        stance = self._balance.in_contact(observation, 1 - foot)
+        phase = self._notice_edge(phase, observation)
+        stance = self._balance.in_contact(
+            observation, 1 - foot, carrying=phase.carrying
+        )
         swing = self._balance.swinging(observation, foot, reference)
         feet = (swing, stance) if foot == LEFT else (stance, swing)
         return replace(phase, motion=motion), feet
@@ -80,6 +84,18 @@ class SingleSupport(PhaseControl[WalkSwing]):
         pose = observation.foot_pose(phase.step.foot)
         turned = motion.pitch.angle - pitch_from(pose, phase.step.normal)
         return turned > self._rules.landing_turn
+
+    def _notice_edge(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
+        """Confines the CoP to the part of the stance sole that carries, if it tips."""
+        foot = 1 - phase.step.foot
+        rest = phase.progress.feet[foot].R_WF[:, 2]
+        carrying = self._balance.carrying_part(
+            observation, foot, rest, phase.carrying, self._tipping
+        )
+        if carrying is phase.carrying:
+            return phase
+        support = self._balance.support_on(carrying, observation.foot_pose(foot))
+        return replace(phase, carrying=carrying, support=support)
 
     def _touch_down(
         self, phase: WalkSwing, observation: Observation

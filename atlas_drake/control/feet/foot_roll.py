@@ -29,8 +29,10 @@ class FootRoll(Configuration):
     """Distance between the feet from which both pitches apply in full [m]."""
     level: NotNegative = 0.02
     """Largest difference in height of the feet with these pitches [m]."""
-    climb: NotNegative = 3.5
-    """Pitch of the lower sole about its toes per difference in height beyond ``level``,
+    easy_climb: NotNegative = 0.05
+    """Difference in height of the feet up to which the lower sole stays flat [m]."""
+    climb: NotNegative = 4.5
+    """Pitch of the lower sole about its toes per difference in height beyond that,
     before it leaves a step up and when it lands a step down [rad/m]: the other knee
     bends less."""
     most_climb: NotNegative = 0.55
@@ -67,7 +69,7 @@ class FootRoll(Configuration):
 
     def _up(self, low: FootPose, high: FootPose) -> float:
         climb = float(high.p_WF[2] - low.p_WF[2])
-        return min(max(climb - self.level, 0.0) * self.climb, self.most_climb)
+        return min(max(climb - self.easy_climb, 0.0) * self.climb, self.most_climb)
 
 
 def rising(angle: float, duration: float, time: float) -> Pitch:
