@@ -260,16 +260,20 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
 def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
     """Computes how far ahead of the stance foot the middle can come [m].
 
-    Only a foot that turns inward comes near a limit: the turn also moves the foot
-    ahead, and each distance ahead brings it nearer to the stance foot. No ``Gait``
-    reaches the other limits. ``out`` is the way to the side of the stepping foot [m].
+    A foot that turns inward comes near a limit: the turn also moves the foot ahead, and
+    each distance ahead brings it nearer to the stance foot. A step to the side as well
+    as ahead takes the feet far apart. No ``Gait`` reaches the other limits. ``out`` is
+    the way to the side of the stepping foot [m].
     """
     limits, width = gait.limits, gait.half_width + out
+    # A turn takes the feet apart by less than it moves them ahead.
+    longest = limits.longest_ahead(gait.half_width + width)
+    longest -= width * math.sin(abs(turn))
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
     if turn < -REACHED_YAW:
         room = gait.half_width + width * math.cos(turn) - limits.width.least
         farthest = min(farthest, room / math.sin(-0.5 * turn))
-    return farthest
+    return min(farthest, max(longest, 0.0))
 
 
 def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:

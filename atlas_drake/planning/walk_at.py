@@ -143,11 +143,13 @@ def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:
     paced = gait.nearest(
         stride=stride_rate * duration, turn=abs(turn) * duration, duration=duration
     )
-    longest = backward * paced.stride
+    shift = clip(2.0 * left * paced.duration, -widest, widest)
+    ahead = limits.longest_ahead(gait.stance_width + abs(shift))
+    longest = min(backward * paced.stride, ahead)
     return Pace(
         paced,
         clip(forward * paced.duration, -longest, longest),
-        clip(2.0 * left * paced.duration, -widest, widest),
+        shift,
         clip(turn * paced.duration, -paced.turn, paced.turn),
     )
 

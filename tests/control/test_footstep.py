@@ -117,6 +117,20 @@ def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, 
     assert_same(saturate(commanded, stance, LIMITS), commanded)
 
 
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("ahead", [0.4, -0.3])
+def test_a_wide_step_leads_less_far(foot, ahead):
+    limits = dataclasses.replace(LIMITS, reach=0.5)
+    stance = FootPose(np.array([0.3, -0.2, 0.1]), rotation_z(0.4))
+    for width, taken in ((0.2, ahead), (0.45, math.copysign(0.218, ahead))):
+        place = [ahead, outward(foot) * width, 0.0]
+        step = Footstep(1, foot, stance.p_WF + stance.R_WF @ place, 0.4, 1.0, 0.1)
+        found = in_stance_frame(saturate(step, stance, limits), stance)
+        assert found[:2] == pytest.approx((taken, width), abs=1e-3)
+    # A step for balance may lead farther, as it may be wider.
+    assert limits.extended(0.1).reach == pytest.approx(0.6)
+
+
 @pytest.mark.parametrize("heading", [0.0, 1.0, 2.5])
 @pytest.mark.parametrize(("tilt", "kept"), [(0.1, 0.1), (0.2, 0.2), (0.5, 0.2)])
 def test_the_ground_is_tilted_within_limits(heading, tilt, kept):

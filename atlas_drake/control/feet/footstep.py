@@ -40,10 +40,12 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     R_WS = rotation_z(stance.yaw)
     sign = outward(step.foot)
     p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
+    aside = clip(sign * p_SF[1], *limits.width)
+    longest = limits.longest_ahead(aside)
     reach = np.array(
         [
-            clip(p_SF[0], -limits.backward, limits.forward),
-            sign * clip(sign * p_SF[1], *limits.width),
+            clip(p_SF[0], -min(limits.backward, longest), min(limits.forward, longest)),
+            sign * aside,
             clip(p_SF[2], -limits.rise, limits.rise),
         ]
     )

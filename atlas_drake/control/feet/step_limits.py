@@ -3,6 +3,7 @@
 Data only; ``footstep`` saturates steps by the limits.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -42,6 +43,8 @@ class StepLimits(Configuration):
     """Longest step back [m]."""
     width: Range = LeastGreatest(0.18, 0.50)
     """Lateral distance between the feet, center to center [m]."""
+    reach: Positive = 0.70
+    """Longest distance between the feet [m]; a wide step leads less far ahead."""
     rise: NotNegative = 0.10
     """Largest step up or down [m]."""
     easy_rise: NotNegative = 0.10
@@ -83,7 +86,12 @@ class StepLimits(Configuration):
             forward=self.forward + outward,
             backward=self.backward + outward,
             width=LeastGreatest(narrowest - inward, widest + outward),
+            reach=self.reach + outward,
         )
+
+    def longest_ahead(self, aside: float) -> float:
+        """Computes how far ahead a step may lead at a lateral distance [m]."""
+        return math.sqrt(max(self.reach**2 - aside**2, 0.0))
 
     def check(self) -> None:
         """Checks that the limits leave a range."""
