@@ -29,6 +29,7 @@ from atlas_drake import (
 )
 from atlas_drake.app.main import main as atlas_drake
 from atlas_drake.scenario.world_file import View
+from atlas_drake.simulation.parts_file import run_file
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import start_meshcat
 
@@ -37,6 +38,13 @@ IMAGES = Path(__file__).parent / "images"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
 """Push of ``push.mp4`` [N·s], and its camera."""
+CAMPAIGNS = Path(__file__).parents[1] / "benchmarks/campaigns"
+STAIRS = {
+    "up": {"position": [0.21, 0.0, 0.0]},
+    "down": {"position": [1.71, 0.0, 0.0], "yaw": 3.141593},
+}
+STAIRS_VIEW = View([1.2, -6.6, 2.3], [1.0, 0.0, 1.5])
+"""Stairs of ``stairs_up.mp4`` and ``stairs_down.mp4``, and their camera."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -98,7 +106,7 @@ def main() -> None:
 
 
 def make_films() -> None:
-    """Films the tutorial, with the owner of each joint, and a push."""
+    """Films the tutorial, with the owner of each joint, a push, and stairs."""
     push = PlannedPush(time=1.0, impulse=PUSH)
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/tutorial.mcap"
@@ -110,6 +118,15 @@ def make_films() -> None:
             sim.advance_to(8.0)
         show, view = ["com", "dcm", "cop", "support"], PUSH_VIEW
         film(read_log(log), IMAGES / "push.mp4", size=FILM_SIZE, show=show, view=view)
+        climb = run_file(CAMPAIGNS / "stairs.py", "stairs")["climb"]
+        for way, place in STAIRS.items():
+            stairs = {**place, "rise": 0.20, "run": 0.30, "number": 6}
+            world = {"name": "stairs", "stairs": stairs}
+            log = f"{folder}/{way}.mcap"
+            with AtlasSimulation(Scenario(world=world), log=log) as sim:
+                climb(sim, {"step_duration": 0.63})
+            path = IMAGES / f"stairs_{way}.mp4"
+            film(read_log(log), path, size=FILM_SIZE, view=STAIRS_VIEW)
 
 
 def make_readme_pictures(browser: str) -> None:

@@ -133,12 +133,12 @@ class Balance:
         the natural frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
-        cop = self.desired_cop(observation, reference, omega, support)
+        cop, cmp = self.desired_pivots(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()
         p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
-        com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cop, omega)
+        com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cmp, omega)
         com_acceleration[2] = feedback.height_acceleration(
             terms,
             body.height,
@@ -184,17 +184,29 @@ class Balance:
             tasks += (self._internal,)
         return WholeBodyCommand(posture, (left.task, right.task, *tasks), contacts)
 
-    def desired_cop(
+    def desired_pivots(
         self,
         observation: Observation,
         reference: DcmReference,
         omega: float,
         support: SupportPolygon,
-    ) -> np.ndarray:
-        """Computes the CoP within ``support`` that tracks ``reference`` [m], (2,)."""
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Computes CoP and CMP that track ``reference`` [m], each of shape (2,).
+
+        The CoP is within ``support``. The centroidal moment pivot (CMP) is where the
+        CoP would be without angular momentum: as long as the CoP suffices they are one
+        point.
+        """
+        gains = self.gains
         error = feedback.dcm(observation.terms, omega) - reference.dcm
-        cop = feedback.feedback_cop(error, reference.cop, self.gains.dcm_gain)
-        return support.clamp(cop)
+        desired = feedback.feedback_cop(error, reference.cop, gains.dcm_gain)
+        cop = support.clamp(desired)
+        beyond = desired - cop
+        distance = math.hypot(*beyond)
+        if distance <= gains.momentum.dead_zone:
+            return cop, cop
+        shift = min(distance - gains.momentum.dead_zone, gains.momentum.largest_shift)
+        return cop, cop + (shift / distance) * beyond
 
     def posture(self, observation: Observation, body: BodyReference) -> np.ndarray:
         """Computes joint accelerations towards the posture [rad/s²], shape (n,)."""

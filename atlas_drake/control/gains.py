@@ -111,6 +111,16 @@ class JointLimitGains(Configuration):
 
 
 @dataclass(frozen=True)
+class MomentumGains(Configuration):
+    """Use of angular momentum where the CoP does not suffice."""
+
+    dead_zone: NotNegative = 0.03
+    """Distance of the desired CoP outside the support polygon that needs none [m]."""
+    largest_shift: NotNegative = 0.06
+    """Largest distance of the centroidal moment pivot from the CoP [m]."""
+
+
+@dataclass(frozen=True)
 class ControlGains(Configuration):
     """Everything that tunes the whole-body controller."""
 
@@ -125,6 +135,8 @@ class ControlGains(Configuration):
     dcm_gain: NotNegative = 2.0
     """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
     error of the DCM [-]."""
+    momentum: MomentumGains = field(default_factory=MomentumGains)
+    """Angular momentum, while the balance is being saved."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
     stance_foot_damping: NotNegative = 10.0
