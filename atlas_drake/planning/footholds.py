@@ -126,7 +126,11 @@ class Gait:
         return replace(self, stride=stride, duration=duration, turn=turn)
 
     def longest_on_bend(self, curvature: float) -> float:
-        """Computes the longest stride of a way with a curvature [rad/m], in [m]."""
+        """Computes the longest stride on a bend [m].
+
+        Args:
+            curvature: Turn of the way per distance [rad/m], not negative.
+        """
         if curvature == 0.0:
             return self.longest_stride
         limits, width = self.limits, self.stance_width
@@ -154,10 +158,13 @@ class Gait:
         return replace(self, turn=max(rate * duration, 0.01), duration=duration)
 
     def turning_duration(self, rate: float) -> float:
-        """Returns the duration of steps that turn at a rate, not 0 [rad/s].
+        """Returns the duration of steps that turn at a rate [s].
 
         Both feet turn alike, if need be in quicker steps; only the quickest have the
         outward foot turn farther.
+
+        Args:
+            rate: Turn of a step per duration, not 0 [rad/s].
         """
         alike = self.limits.toe_in / abs(rate)
         return max(min(self.duration, alike), self.limits.duration.least)
@@ -173,9 +180,13 @@ class Gait:
         return 0.5 * most - _TURN_MARGIN
 
     def turn_of(self, foot: int, turn: float) -> float:
-        """Returns the turn of a step of ``foot`` in a walk that turns by ``turn`` each.
+        """Returns the turn of a step [rad].
 
         The outward foot makes up for what is beyond the inward one's limit.
+
+        Args:
+            foot: LEFT or RIGHT.
+            turn: Mean turn of a step to the left [rad].
         """
         beyond = max(abs(turn) - self.limits.toe_in + _TURN_MARGIN, 0.0)
         return turn + outward(foot) * beyond

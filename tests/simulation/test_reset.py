@@ -89,7 +89,7 @@ def test_a_fall_turns_on_damping_mode_and_a_reset_stands_the_robot_up():
     feet = [foot.body for foot in sim.robot.file.feet]
     sim.publish(AtlasCommand(position=[0.4] * 28, kp_position=[7.0] * 28))
     sim.advance(0.2)
-    sim.apply_push("utorso", [400.0, 100.0, 0.0], 0.4)
+    sim.apply_push("utorso", [800.0, 200.0, 0.0], 0.4)
     while not sim.has_fallen:
         assert sim.time < 3.0
         assert not touching(sim, feet)

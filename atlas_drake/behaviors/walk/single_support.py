@@ -92,7 +92,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
         carrying = self._balance.carrying_part(
             observation, foot, rest, phase.carrying, self._tipping
         )
-        if carrying is phase.carrying:
+        if carrying is None or carrying is phase.carrying:
             return phase
         support = self._balance.support_on(carrying, observation.foot_pose(foot))
         return replace(phase, carrying=carrying, support=support)

@@ -66,8 +66,9 @@ def carrying_part(
     v = float(R_WF[:, 2] @ V_WF[3:])
     inward = np.array([-wy, wx]) / rate
     part = _clipped(corners, inward, rules.margin - v / rate)
-    too_small = part is None or _area(part) < rules.least_part * _area(corners)
-    return None if too_small or len(part) > MAX_CORNERS else part
+    if part is None or len(part) > MAX_CORNERS:
+        return None
+    return part if _area(part) >= rules.least_part * _area(corners) else None
 
 
 def _clipped(
