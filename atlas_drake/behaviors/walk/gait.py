@@ -27,7 +27,7 @@ def stance_cop(
     """Computes the CoP reference for single support during ``step`` [m], shape (2,).
 
     It lies near the middle of the stance sole, toward the other foot, and in a step up
-    toward the toes.
+    or down toward the toes.
     """
     start, stance = feet[step.foot], feet[1 - step.foot]
     ground = float(stance.p_WF[2])
