@@ -332,7 +332,7 @@ def test_the_cop_stays_on_the_part_of_a_stance_sole_that_carries(
     rested = seen.terms.feet[stance]
     # The sole sinks on its outer side, about its middle.
     side = outward(stance)
-    turn = -0.05 * side * rested.R_WF[:, 0]
+    turn = -0.08 * side * rested.R_WF[:, 0]
     V_WF = np.concatenate([20.0 * turn, np.zeros(3)])
     tipped = rested._replace(R_WF=rotation_about(turn) @ rested.R_WF, V_WF=V_WF)
     feet = [tipped, tipped]

@@ -13,7 +13,7 @@ R_WS = rotation_z(0.7)
 """Heading of the sole."""
 
 
-def tipping(edge, direction, tilt=0.05, rate=1.0, corners=SOLE):
+def tipping(edge, direction, tilt=0.08, rate=1.0, corners=SOLE):
     """The part that carries while the sole sinks on the side of ``direction``.
 
     The edge lies ``edge`` [m] from the sole's middle on that side; axes of the sole.
@@ -57,7 +57,7 @@ def test_a_sole_that_tips_again_keeps_a_part_of_that_part():
     [
         {"tilt": 0.9 * RULES.tilt},
         {"rate": 0.9 * RULES.rate},
-        {"tilt": -0.05},  # Back to how it rested.
+        {"tilt": -0.08},  # Back to how it rested.
         {"edge": 0.2},  # Beyond the sole.
         {"edge": -0.125},  # So little is left that the sole may as well tip.
     ],

@@ -21,7 +21,7 @@ from atlas_drake.messages.controller_status import MAX_CORNERS
 class TippingRules(Configuration):
     """When a sole on the ground tips over an edge."""
 
-    tilt: NotNegative = 0.03
+    tilt: NotNegative = 0.05
     """Tilt from how the sole rested, from which it tips if the tilt grows [rad]."""
     rate: NotNegative = 0.3
     """Least angular velocity of that [rad/s]."""
