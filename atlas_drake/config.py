@@ -289,7 +289,7 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
             kind = next(iter(typing.get_args(owner)), None)
         else:
             where = joined(where, part)
-            unit = _unit(owner, part)
+            unit = unit_of(owner, part)
             kind = _fields(owner).get(part)
     if fault["type"] in _UNKNOWN:
         known = _fields(owner)
@@ -304,7 +304,7 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
             return ScenarioError(below, cause.value, cause.problem)
         return ScenarioError(where, value, str(cause))
     said = fault["msg"].replace("Input should be", "must be")
-    unit = unit if is_number(value) else ""
+    unit = f" {unit}" if unit and is_number(value) else ""
     return ScenarioError(where or "file", value, f"is {shown(value)}{unit}; {said}")
 
 
@@ -327,13 +327,13 @@ def _fields(kind: Any) -> dict[str, Any]:
     return {field.name: field.type for field in getattr(kind, "__fields__", ())}
 
 
-def _unit(owner: Any, field: str) -> str:
+def unit_of(owner: Any, field: str) -> str:
     """Returns the unit in the text of a field, such as ``m``; empty for none."""
     for cls in inspect.getmro(owner) if inspect.isclass(owner) else ():
         with contextlib.suppress(OSError, TypeError):  # A class without source.
             units = _UNIT.findall(trailing_strings(cls).get(field, ""))
             if units:
-                return f" {units[-1]}" if units[-1] != "-" else ""
+                return str(units[-1]) if units[-1] != "-" else ""
     return ""
 
 

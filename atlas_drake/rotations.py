@@ -24,6 +24,16 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
+def cross_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Computes the cross products of rows, shape (n, 3), faster than numpy for few."""
+    product = np.empty_like(a)
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    product[:, 0] = ay * bz - az * by
+    product[:, 1] = az * bx - ax * bz
+    product[:, 2] = ax * by - ay * bx
+    return product
+
+
 def yaw_of(R: np.ndarray) -> float:
     """Heading of the x axis of a rotation matrix about the world's z [rad]."""
     return math.atan2(R[1, 0], R[0, 0])

@@ -7,7 +7,15 @@ and the configuration of each registered behavior is one more field.
 
 import functools
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, make_dataclass
+from dataclasses import (
+    asdict,
+    dataclass,
+    field,
+    fields,
+    is_dataclass,
+    make_dataclass,
+    replace,
+)
 from typing import Any
 
 from atlas_drake.behaviors.balance import StanceConfig
@@ -17,14 +25,16 @@ from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
 from atlas_drake.behaviors.manipulate.manipulate import ManipulateConfig
+from atlas_drake.behaviors.scaling import feet_fitting, scaled
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.config import Configuration, checked, declared
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import RobotFile
+from atlas_drake.robot import RobotFile, Size
 
 
 @dataclass(frozen=True)
@@ -55,10 +65,32 @@ class ControllerConfig(Configuration):
 
     @staticmethod
     def of(
-        file: RobotFile, behaviors: Iterable[BehaviorEntry] | None = None
+        file: RobotFile,
+        size: Size | None,
+        behaviors: Iterable[BehaviorEntry] | None = None,
     ) -> "ControllerConfig":
-        """Returns the configuration of a robot: its file's values, or else defaults."""
-        return ControllerConfig().with_values(file.controller, behaviors)
+        """Returns the configuration of a robot: its file's values, or else defaults.
+
+        The defaults are scaled to its size; None leaves them as they are.
+        """
+        config = ControllerConfig()
+        if size is not None:
+            config = config.scaled(size)
+        return config.with_values(file.controller, behaviors)
+
+    def scaled(self, size: Size) -> "ControllerConfig":
+        """Returns the configuration, scaled to a robot of this size."""
+        made = scaled(self, size)
+
+        def fitting(limits: StepLimits) -> StepLimits:
+            return replace(limits, width=feet_fitting(limits.width, size))
+
+        return replace(
+            made,
+            stance=replace(made.stance, width=size.stance_width),
+            walk=replace(made.walk, limits=fitting(made.walk.limits)),
+            step=replace(made.step, limits=fitting(made.step.limits)),
+        )
 
     def with_values(
         self,

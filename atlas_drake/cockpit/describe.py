@@ -46,7 +46,7 @@ def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
         **_robot(sim.robot, sim.behaviors),
         "title": sim.scenario.name,
         "gait": _gait(config.gait()),
-        "pelvis": _pelvis(config.manipulate.range, sim.record),
+        "pelvis": _pelvis(config.manipulate.range, sim.robot.pelvis_height),
         "pushed": list(sim.robot.file.pushed),
         "overlays": dict(OVERLAYS),
         "columns": columns_of(sim.schema, sim.record),
@@ -163,19 +163,19 @@ def _gait(gait: Gait) -> dict[str, Any]:
     }
 
 
-def _pelvis(allowed: PelvisRange, record: TickRecord) -> dict[str, Any]:
+def _pelvis(allowed: PelvisRange, upright: float) -> dict[str, Any]:
     """Returns the bounds of the pelvis' coordinates; the behavior clamps further.
 
-    The usual height is that of the record, all else is 0.
+    The usual height is that of the stand-prep pose [m], all else is 0.
     """
-    soles = [p_WF[2] for p_WF in record.feet.positions]
-    height = float(record.pelvis.position[2] - np.mean(soles))
     ranges = {}
     for name in PELVIS:
         known: Any = getattr(allowed, name.removeprefix("pelvis_"), None)
         low, high = known or (-COM_SHIFT, COM_SHIFT)
-        unit = "rad" if known and name != "pelvis_height" else "m"
-        usual = float(np.clip(height if name == "pelvis_height" else 0.0, low, high))
+        unit, usual = ("rad" if known else "m"), 0.0
+        if name == "pelvis_height":
+            low, high = upright + low, upright + high
+            unit, usual = "m", upright
         ranges[name] = _range(float(low), float(high), 0.005, unit, usual)
     return ranges
 

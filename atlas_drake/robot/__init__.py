@@ -1,7 +1,7 @@
 """Robots: all properties of a robot, read from its YAML file and its URDF.
 
 Nothing here is specific to one robot. The schema of the file is in ``file``, the
-required layout of the legs in ``leg``. Control laws and state are elsewhere.
+legs in ``leg``. Control laws and state are elsewhere.
 """
 
 from atlas_drake.robot.file import (
@@ -13,7 +13,7 @@ from atlas_drake.robot.file import (
     RobotFile,
     SoleSize,
 )
-from atlas_drake.robot.leg import ANKLE_PITCH, HIP_PITCH, KNEE, Leg
+from atlas_drake.robot.leg import KNEE, Leg
 from atlas_drake.robot.load import (
     DEFAULT_ROBOT,
     MODELS_FOLDER,
@@ -22,14 +22,13 @@ from atlas_drake.robot.load import (
     load_robot,
     model_beside,
     read_robot_file,
+    size_to_scale_by,
 )
 from atlas_drake.robot.parsing import LOCAL_MODELS
-from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
+from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot, Size
 
 __all__ = [
-    "ANKLE_PITCH",
     "DEFAULT_ROBOT",
-    "HIP_PITCH",
     "KNEE",
     "LEGS",
     "LIMBS",
@@ -43,10 +42,12 @@ __all__ = [
     "PlantIndices",
     "Robot",
     "RobotFile",
+    "Size",
     "SoleSize",
     "available_robots",
     "find_robot",
     "load_robot",
     "model_beside",
     "read_robot_file",
+    "size_to_scale_by",
 ]

@@ -7,7 +7,7 @@ alone is checked in ``file``, masses in ``parsing``, the layout of the legs in `
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.multibody.tree import RevoluteJoint
@@ -109,11 +109,20 @@ def check_limits(file: RobotFile, limits: Mapping[str, Sequence[float]]) -> None
             raise RobotDescriptionError.about(field, joint.stand_prep, problem)
 
 
-def check_stand_prep(plant: Any, instance: Any, context: Any, file: RobotFile) -> float:
+class StandPrep(NamedTuple):
+    """What is measured in the stand-prep pose."""
+
+    com_height: float  # Center of mass above the soles [m]
+    stance_width: float  # Distance between the soles' middles [m]
+    pelvis_height: float  # Pelvis' origin above the soles [m]
+
+
+def check_stand_prep(
+    plant: Any, instance: Any, context: Any, file: RobotFile
+) -> StandPrep:
     """Checks that the robot can stand on both feet in its stand-prep pose.
 
-    The context, part of that of a diagram with scene graph, gets the pose. Returns the
-    height of the center of mass above the soles [m].
+    The context, part of that of a diagram with scene graph, gets the pose.
     """
     for joint in file.joints:
         plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
@@ -151,7 +160,7 @@ def check_stand_prep(plant: Any, instance: Any, context: Any, file: RobotFile) -
         problem = f"in this pose, with the pelvis upright, {problem}"
         raise RobotDescriptionError("joints[].stand_prep", height, problem)
     _check_overlaps(plant, context, file)
-    return height
+    return StandPrep(height, float(left[1] - right[1]), float(-middle[2]))
 
 
 def _check_overlaps(plant: Any, context: Any, file: RobotFile) -> None:

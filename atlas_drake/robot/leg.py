@@ -1,11 +1,9 @@
-"""The description of a leg, read from the URDF, and its required layout.
+"""The description of a leg of six joints, read from the URDF.
 
-The closed-form laws of the controller need a leg of six joints, from the pelvis down
-hip z, hip x, hip y, knee y, ankle y, ankle x. With all joints at zero every joint's
-frame and the sole's are parallel to the pelvis', hip z and hip x meet in the hip's
-center, ankle y and ankle x in the ankle, and hip y, knee and ankle lie in one plane
-x-z, the leg's, through the hip's center or beside it. Positive angles bend the knee
-backward. Kinematics with these lengths is in ``control.feet``.
+A leg has, from the pelvis down, three hip joints in any order, the knee and two ankle
+joints in either order; hips may be offset or tilted, and the knee may bend in either
+direction. A leg of the layout in ``planar_leg`` has inverse kinematics in closed form;
+kinematics with these lengths is in ``control.feet``.
 """
 
 from __future__ import annotations
@@ -19,58 +17,69 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.frozen import read_only
 from atlas_drake.robot.file import LEGS, RobotFile
+from atlas_drake.robot.planar_leg import PlanarLeg, planar_leg
 
-JOINTS = ("hip z", "hip x", "hip y", "knee y", "ankle y", "ankle x")
-"""Joints of a leg from the pelvis down, with their axes."""
-HIP_PITCH, KNEE, ANKLE_PITCH = 2, 3, 4
-"""Indices among a leg's joints."""
-_TOLERANCE = 1e-6
-"""Tolerance of positions and axes [m], [-]."""
+NUM_JOINTS = 6
+HIP, KNEE, ANKLE = slice(0, 3), 3, slice(4, 6)
+"""Places among a leg's joints, from the pelvis down."""
+_SIDEWAYS = 0.8
+"""Least share of the lateral axis in that of a pitch joint [-]."""
+_SPANNED = 0.2
+"""Least singular value of the axes of hip and ankle: of parallel ones it is 0 [-]."""
 
 
 @dataclass(frozen=True)
 class Leg:
-    """One leg; joints from the pelvis down, hip z to ankle x.
+    """One leg; joints from the pelvis down, poses with all joints at zero.
 
     Attributes:
         joints: Indices of the six joints in message order, shape (6,).
-        p_PH: Hip center, where hip z and hip x meet, in the pelvis frame [m].
-        aside: Distance of the leg's plane, with hip y, knee and ankle, from the hip
-            center to the left [m].
-        hip: Hip y axis from the hip center along x and z [m].
-        thigh: Knee from the hip y axis at zero angles, in the leg's plane (x, z) [m].
-        shank: Ankle from the knee at zero angles, in the leg's plane [m].
-        p_FA: Ankle, where its axes meet, in the sole frame [m].
+        axes: The joints' axes in the pelvis frame, shape (6, 3).
+        points: A point on each axis in the pelvis frame [m], shape (6, 3).
+        sole: Pose of the sole in the pelvis frame, shape (4, 4).
+        p_PT: Point on the hip's pitch axis, in the plane in which the knee bends, in
+            the pelvis frame [m].
+        thigh: Knee from that point, in this plane, ahead and up [m].
+        shank: Ankle from the knee, likewise [m].
+        p_FA: Ankle, where its axes meet or pass each other, in the sole frame [m].
+        knee_sign: 1 if positive angles bend the knee, else -1.
+        hip_pitch: Index of the joint in message order.
+        ankle_pitch: Index of the joint in message order.
+        ankle_roll: Index of the joint in message order.
+        seed: Stand-prep pose, from which numeric kinematics begins [rad], shape (6,).
         mass_beyond: Mass of all bodies beyond each joint [kg], shape (6,).
         least_flexion: Least flexion of the knee, from the straight leg [rad].
         most_flexion: Greatest flexion of the knee, from the straight leg [rad].
+        planar: Lengths of the closed form; None for a leg of another layout.
     """
 
     joints: np.ndarray
-    p_PH: np.ndarray
-    aside: float
-    hip: tuple[float, float]
+    axes: np.ndarray
+    points: np.ndarray
+    sole: np.ndarray
+    p_PT: np.ndarray
     thigh: tuple[float, float]
     shank: tuple[float, float]
     p_FA: np.ndarray
+    knee_sign: float
+    hip_pitch: int
+    ankle_pitch: int
+    ankle_roll: int
+    seed: np.ndarray
     mass_beyond: np.ndarray
     least_flexion: float
     most_flexion: float
+    planar: PlanarLeg | None = None
 
-    @cached_property
-    def p_HT(self) -> np.ndarray:
-        """Hip y from the hip center with all joints at zero [m], shape (3,)."""
-        return np.array([self.hip[0], self.aside, self.hip[1]])
-
-    @cached_property
-    def p_PT(self) -> np.ndarray:
-        """Hip y in the pelvis frame with all joints at zero [m], shape (3,)."""
-        return self.p_PH + self.p_HT
+    def __post_init__(self) -> None:
+        """Make the arrays read-only, because all parts of a simulation share them."""
+        read_only(self)
 
     @cached_property
     def thigh_length(self) -> float:
-        """Distance from hip y to the knee [m]."""
+        """Distance from hip pitch to the knee [m]."""
         return math.hypot(*self.thigh)
 
     @cached_property
@@ -80,15 +89,31 @@ class Leg:
 
     @cached_property
     def straight(self) -> float:
-        """Knee position at which hip y, knee and ankle are in line [rad]."""
+        """Knee position at which hip pitch, knee and ankle are in line [rad]."""
         # Angles of vectors in the plane grow with rotations about y.
         bent = math.atan2(*self.thigh) - math.atan2(*self.shank)
-        return math.remainder(bent, math.tau)
+        return self.knee_sign * math.remainder(bent, math.tau)
 
     @property
     def knee(self) -> int:
         """Index of the knee in message order."""
         return int(self.joints[KNEE])
+
+    def flexion(self, position: float) -> float:
+        """Computes how far a knee at this position is bent, from the straight leg.
+
+        Args:
+            position: Of the knee joint [rad].
+        """
+        return self.knee_sign * (position - self.straight)
+
+    def knee_at(self, flexion: float) -> float:
+        """Computes the position of the knee joint that is bent so far [rad].
+
+        Args:
+            flexion: From the straight leg [rad].
+        """
+        return self.straight + self.knee_sign * flexion
 
 
 def read_legs(plant: Any, pelvis: Any, file: RobotFile) -> tuple[Leg, Leg]:
@@ -101,7 +126,7 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
     limb = LEGS[foot]
     indices = [i for i, joint in enumerate(file.joints) if joint.limb == limb]
     names = [file.joints[i].name for i in indices]
-    if len(names) != len(JOINTS):
+    if len(names) != NUM_JOINTS:
         raise _unlike(limb, names, f"the leg has {len(names)} joints")
     joints = [plant.GetJointByName(name) for name in names]
     _check_chain(plant, pelvis, joints, file, foot)
@@ -109,13 +134,20 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
     context = plant.CreateDefaultContext()
     frames = [joint.frame_on_child() for joint in joints]
     frames.append(plant.GetFrameByName(file.feet[foot].sole_frame))
-    poses = [frame.CalcPose(context, pelvis.body_frame()) for frame in frames]
-    _check_layout(limb, names, joints, poses, file.feet[foot].sole_frame)
-    p = [np.array(pose.translation()) for pose in poses]
-
-    def plane(end: int, start: int) -> tuple[float, float]:
-        return float(p[end][0] - p[start][0]), float(p[end][2] - p[start][2])
-
+    *poses, sole = [frame.CalcPose(context, pelvis.body_frame()) for frame in frames]
+    axes = np.array(
+        [
+            pose.rotation().matrix() @ joint.revolute_axis()
+            for pose, joint in zip(poses, joints, strict=True)
+        ]
+    )
+    points = np.array([pose.translation() for pose in poses])
+    hip_pitch, ankle_pitch = _pitch_joints(limb, names, axes)
+    planar = planar_leg(axes, points, [*poses, sole])
+    p_PT, thigh, shank, ankle = _side_view(axes, points, hip_pitch, ankle_pitch)
+    p_FA = sole.inverse().multiply(ankle)
+    if planar:
+        p_PT, p_FA = planar.p_PT, points[5] - sole.translation()
     beyond = [plant.GetBodiesKinematicallyAffectedBy([j.index()]) for j in joints]
     masses = [
         sum(plant.get_body(body).get_mass(context) for body in bodies)
@@ -123,16 +155,84 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
     ]
     return Leg(
         joints=np.array(indices),
-        p_PH=p[0],
-        aside=float(p[2][1] - p[0][1]),
-        hip=plane(2, 1),
-        thigh=plane(3, 2),
-        shank=plane(4, 3),
-        p_FA=p[5] - p[6],
+        axes=axes,
+        points=points,
+        sole=np.array(sole.GetAsMatrix4()),
+        p_PT=p_PT,
+        thigh=thigh,
+        shank=shank,
+        p_FA=p_FA,
+        knee_sign=math.copysign(1.0, axes[KNEE, 1]),
+        hip_pitch=indices[hip_pitch],
+        ankle_pitch=indices[ankle_pitch],
+        ankle_roll=indices[_other_ankle(ankle_pitch)],
+        seed=np.array([file.joints[i].stand_prep for i in indices]),
         mass_beyond=np.array(masses),
         least_flexion=file.least_knee_flexion,
         most_flexion=file.most_knee_flexion,
+        planar=planar,
     )
+
+
+def _pitch_joints(limb: str, names: Sequence[str], axes: np.ndarray) -> tuple[int, int]:
+    """Finds the pitch joints of hip and ankle, and checks what the axes span."""
+    for part, kind in ((HIP, "hip"), (ANKLE, "ankle")):
+        _, spanned, _ = np.linalg.svd(axes[part])
+        if spanned[-1] < _SPANNED:
+            joints = ", ".join(names[part])
+            raise _unlike(limb, names, f"the {kind}'s axes, of {joints}, are parallel")
+    sideways = np.abs(axes[:, 1])
+    hip = int(np.argmax(sideways[HIP]))
+    ankle = ANKLE.start + int(np.argmax(sideways[ANKLE]))
+    for place, role in ((hip, "hip"), (KNEE, "knee"), (ankle, "ankle")):
+        if sideways[place] < _SIDEWAYS:
+            found = np.array2string(axes[place], precision=3)
+            what = f"{names[place]}, the {role}'s pitch, turns about {found}"
+            raise _unlike(limb, names, what)
+    return hip, ankle
+
+
+def _other_ankle(pitch: int) -> int:
+    """Returns the place of the ankle's other joint."""
+    return 2 * ANKLE.start + 1 - pitch
+
+
+def _side_view(
+    axes: np.ndarray, points: np.ndarray, hip_pitch: int, ankle_pitch: int
+) -> tuple[np.ndarray, tuple[float, float], tuple[float, float], np.ndarray]:
+    """Computes hip, thigh, shank and ankle in the plane in which the knee bends.
+
+    The plane passes through the ankle, perpendicular to the knee's axis.
+    """
+    left = math.copysign(1.0, axes[KNEE, 1]) * axes[KNEE]
+    up = np.array([0.0, 0.0, 1.0]) - left[2] * left
+    up /= np.linalg.norm(up)
+    ahead = np.cross(left, up)
+    roll = _other_ankle(ankle_pitch)
+    ankle = _nearest_to_line(
+        points[roll], axes[roll], points[ankle_pitch], axes[ankle_pitch]
+    )
+
+    def in_plane(joint: int) -> np.ndarray:
+        beside = left @ (ankle - points[joint]) / (left @ axes[joint])
+        return points[joint] + beside * axes[joint]
+
+    hip, knee = in_plane(hip_pitch), in_plane(KNEE)
+    thigh, shank = knee - hip, ankle - knee
+    return (
+        hip,
+        (float(thigh @ ahead), float(thigh @ up)),
+        (float(shank @ ahead), float(shank @ up)),
+        ankle,
+    )
+
+
+def _nearest_to_line(
+    point: np.ndarray, axis: np.ndarray, other: np.ndarray, along: np.ndarray
+) -> np.ndarray:
+    """Computes the point of a line that is nearest to another line."""
+    across = np.cross(along, np.cross(axis, along))
+    return point + axis * (across @ (other - point)) / (across @ axis)
 
 
 def _check_chain(
@@ -160,39 +260,11 @@ def _check_chain(
             raise _unlike(limb, names, wanted)
 
 
-def _check_layout(
-    limb: str,
-    names: Sequence[str],
-    joints: Sequence[Any],
-    poses: Sequence[Any],
-    sole: str,
-) -> None:
-    """Checks axes and positions of a leg's joints and sole with joints at zero."""
-    for name, joint, known in zip(names, joints, JOINTS, strict=True):
-        axis, wanted = joint.revolute_axis(), np.eye(3)["xyz".index(known[-1])]
-        if not np.allclose(axis, wanted, atol=_TOLERANCE):
-            found = np.array2string(np.array(axis), precision=3)
-            raise _unlike(limb, names, f"{name}, the {known}, turns about {found}")
-    for name, pose in zip((*names, sole), poses, strict=True):
-        if not np.allclose(pose.rotation().matrix(), np.eye(3), atol=_TOLERANCE):
-            what = f"with all joints at zero {name} is not parallel to the pelvis"
-            raise _unlike(limb, names, what)
-    p = [pose.translation() for pose in poses]
-    for place, other in ((1, 0), (5, 4)):
-        if not np.allclose(p[place], p[other], atol=_TOLERANCE):
-            what = f"{names[place]} does not meet {names[other]} in one point"
-            raise _unlike(limb, names, what)
-    for name, position in zip(names[KNEE:], p[KNEE:], strict=False):
-        if abs(position[1] - p[HIP_PITCH][1]) > _TOLERANCE:
-            where = f"{name} lies beside the plane of {names[HIP_PITCH]}"
-            raise _unlike(limb, names, where)
-
-
 def _unlike(limb: str, names: Sequence[str], problem: str) -> RobotDescriptionError:
     return RobotDescriptionError(
         "joints",
         list(names),
         f"{problem}. The joints with limb {limb} are {', '.join(names) or 'none'}; must"
-        f" be, from the pelvis down, {', '.join(JOINTS)}, the last four in one plane,"
-        " the two outer hip joints and the two ankle joints each in one point",
+        " be, from the pelvis down, three of the hip, the knee and two of the ankle, "
+        "with one pitch joint in each",
     )

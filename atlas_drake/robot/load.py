@@ -28,7 +28,7 @@ from atlas_drake.robot import fit
 from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import find_urdf
-from atlas_drake.robot.robot import Robot, add_urdf, leave_out_collisions
+from atlas_drake.robot.robot import Robot, Size, add_urdf, leave_out_collisions
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
@@ -139,7 +139,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
     fit.check_limits(file, limits)
     legs = read_legs(plant, pelvis, file)
     context = plant.GetMyMutableContextFromRoot(root)
-    com_height = fit.check_stand_prep(plant, instance, context, file)
+    pose = fit.check_stand_prep(plant, instance, context, file)
     lower, upper, velocity, effort = map(np.array, limits.values())
     return Robot(
         name=robot_name,
@@ -152,7 +152,9 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
         velocity_limit=velocity,
         effort_limit=effort,
         mass=plant.CalcTotalMass(context),
-        com_height=com_height,
+        com_height=pose.com_height,
+        stance_width=pose.stance_width,
+        pelvis_height=pose.pelvis_height,
         body_names=tuple(
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
         ),
@@ -169,6 +171,23 @@ def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
     path = find_robot(model)
     with _naming(path):
         return _parsed(read_file(path))
+
+
+def size_to_scale_by(model: str | Path) -> Size | None:
+    """Returns the size of a robot; None if the controller's defaults do not scale."""
+    file = read_robot_file(model)
+    if not file.scaled:
+        return None
+    path = find_robot(model)
+    with _naming(path):
+        urdf = find_urdf(path.parent, file.urdf)
+        return _size(path, path.read_text(), urdf.stat().st_mtime_ns)
+
+
+@functools.lru_cache(maxsize=8)
+def _size(path: Path, text: str, changed: int) -> Size:
+    """Measures a robot; cached until its files change."""
+    return load_robot(path).size
 
 
 @functools.lru_cache(maxsize=8)

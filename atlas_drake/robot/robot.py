@@ -71,6 +71,25 @@ class JointConstants:
 
 
 @dataclass(frozen=True)
+class Size:
+    """What the defaults of the controller scale by.
+
+    Attributes:
+        mass: Of the robot [kg].
+        height: Of the center of mass above the soles in the stand-prep pose [m].
+        sole_length: Of each sole [m].
+        sole_width: Of each sole [m].
+        stance_width: Distance between the soles' middles in the stand-prep pose [m].
+    """
+
+    mass: float
+    height: float
+    sole_length: float
+    sole_width: float
+    stance_width: float
+
+
+@dataclass(frozen=True)
 class Robot:
     """One robot, read from its YAML description and its URDF.
 
@@ -90,6 +109,8 @@ class Robot:
         mass: Total mass [kg].
         com_height: Height of the center of mass above the soles in the stand-prep pose
             [m].
+        stance_width: Distance between the soles' middles in the stand-prep pose [m].
+        pelvis_height: Height of the pelvis' origin above the soles, likewise [m].
         body_names: Names of all links.
         moved_links: For each joint the names of the link that it moves and of all links
             that are fixed to that one.
@@ -107,6 +128,8 @@ class Robot:
     effort_limit: np.ndarray
     mass: float
     com_height: float
+    stance_width: float
+    pelvis_height: float
     body_names: tuple[str, ...]
     moved_links: tuple[tuple[str, ...], ...]
     legs: tuple[Leg, Leg]
@@ -114,6 +137,14 @@ class Robot:
     def __post_init__(self) -> None:
         """Make the arrays read-only, because all parts of a simulation share them."""
         read_only(self)
+
+    @property
+    def size(self) -> Size:
+        """What the defaults of the controller scale by."""
+        sole = self.file.sole
+        return Size(
+            self.mass, self.com_height, sole.length, sole.width, self.stance_width
+        )
 
     @property
     def num_joints(self) -> int:

@@ -34,7 +34,13 @@ from atlas_drake.errors import (
 )
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside, read_robot_file
+from atlas_drake.robot import (
+    DEFAULT_ROBOT,
+    find_robot,
+    model_beside,
+    read_robot_file,
+    size_to_scale_by,
+)
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.physics import (
@@ -309,10 +315,13 @@ class Scenario(CheckedOnce):
             return self.controller
         try:
             file = read_robot_file(self.model)
+            size = size_to_scale_by(self.model)
         except RobotDescriptionError as error:
-            raise ScenarioError("model", self.model, error.problem) from None
+            at_file = error.field == "model"
+            problem = error.problem if at_file else str(error)
+            raise ScenarioError("model", self.model, problem) from None
         try:
-            robots = ControllerConfig.of(file, behaviors)
+            robots = ControllerConfig.of(file, size, behaviors)
         except ScenarioError as error:
             # Without values in the file, a default of a user's behavior is at fault.
             named = error.within(find_robot(self.model)) if file.controller else error

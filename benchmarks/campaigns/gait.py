@@ -14,7 +14,7 @@ from atlas_drake import AtlasSimulation
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.messages.event import FOOTSTEP
 from atlas_drake.records import TickRecord
-from atlas_drake.robot import ANKLE_PITCH, Robot
+from atlas_drake.robot import Robot
 
 SKIPPED = 3
 """Steps at both ends of the walk that do not count."""
@@ -42,8 +42,8 @@ class WalkingEffort:
         self._least = STANDS * robot.mass * GRAVITY
         self._joints = {
             "knee": self._knees,
-            "ankle_pitch": [leg.joints[ANKLE_PITCH] for leg in legs],
-            "ankle_roll": [leg.joints[ANKLE_PITCH + 1] for leg in legs],
+            "ankle_pitch": [leg.ankle_pitch for leg in legs],
+            "ankle_roll": [leg.ankle_roll for leg in legs],
         }
         self._now = Sums(0.0, 0.0, 0, np.zeros(2))
         self._landed: list[Sums] = []

@@ -19,6 +19,7 @@ from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import LogError, read_log
 from atlas_drake.messages import BehaviorStatus
+from atlas_drake.robot import load_robot
 from atlas_drake.simulation.pilot import pilot_of
 
 from .conftest import HERON
@@ -101,7 +102,9 @@ def test_the_cockpit_fits_the_robot(heron):
     described = describe_run(sim)
     assert described["gait"]["stride"]["usual"] == 0.14
     height = described["pelvis"]["pelvis_height"]
-    assert (height["low"], height["high"]) == (0.45, 0.68)
+    above = np.array([height["low"], height["high"]]) - height["usual"]
+    size = heron.com_height / load_robot().com_height
+    np.testing.assert_allclose(above, np.array([-0.36, 0.04]) * size, rtol=1e-4)
     assert described["pushed"][:2] == ["trunk", "hips"]
     assert {one["name"] for one in described["joints"]} == set(heron.joint_names)
     for one in (*described["gait"].values(), height):
@@ -138,8 +141,10 @@ def test_heron_stands_walks_and_squats(walk):
     squat.manipulate_params.desired.pelvis_height = 0.3
     sim.publish(squat)
     sim.advance(3.0)
-    # As low as its file allows, which Atlas' would not.
-    assert sim.pelvis_pose.translation()[2] == pytest.approx(0.45, abs=0.01)
+    # As low as its size allows.
+    allowed = sim.scenario.controller_config().manipulate.range
+    lowest = sim.robot.pelvis_height + allowed.height.least
+    assert sim.pelvis_pose.translation()[2] == pytest.approx(lowest, abs=0.01)
     summary = sim.summary()
     assert summary["success"]
     status = sim.atlas_sim_interface_state.behavior_feedback.status_flags

@@ -21,7 +21,6 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
-from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
 
 
 @dataclass(frozen=True)
@@ -51,9 +50,7 @@ class StanceGuard(BehaviorProtocol):
         self.behavior = behavior
         self._freeze = freeze
         robot = balance.robot
-        self._pitch = np.array(
-            [leg.joints[[HIP_PITCH, ANKLE_PITCH]] for leg in robot.legs]
-        )
+        self._pitch = np.array([[leg.hip_pitch, leg.ankle_pitch] for leg in robot.legs])
         self._least_effort = balance.stance.balance_effort
         names = [
             " and ".join(robot.joint_names[joint] for joint in leg)

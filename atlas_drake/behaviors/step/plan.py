@@ -71,12 +71,14 @@ class StepPlanner:
 
     @property
     def nominal_knee(self) -> float:
-        """Flexion of the knees at the nominal height [rad]."""
-        return knee_for_length(self.legs[0], self._nominal_leg)
+        """Angle of the knees at the nominal height, positive if bent [rad]."""
+        leg = self.legs[0]
+        return leg.knee_sign * knee_for_length(leg, self._nominal_leg)
 
     def height(self, action: StepAction) -> float:
         """Computes the height of the center of mass above the standing sole [m]."""
-        bent = leg_length(self.legs[0], action.knee_nominal)
+        leg = self.legs[0]
+        bent = leg_length(leg, leg.knee_sign * action.knee_nominal)
         return self._nominal_height + bent - self._nominal_leg
 
     def plan(

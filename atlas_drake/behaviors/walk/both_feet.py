@@ -36,12 +36,10 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
-        self._rules = rules = config.rules
+        self._rules = config.rules
         self._roll = config.roll
         self._half_length = balance.robot.file.sole.length / 2
-        legs = balance.robot.legs
-        self._knees = [leg.knee for leg in legs]
-        self._straight_knees = [leg.straight + rules.straight_flexion for leg in legs]
+        self._legs = balance.robot.legs
 
     def advance(
         self, phase: InitialTransfer | Transfer, observation: Observation, leaving: bool
@@ -133,7 +131,8 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
         """
         foot = phase.unloading
         return foot is not None and (
-            float(observation.terms.q[self._knees[foot]]) < self._straight_knees[foot]
+            self._legs[foot].flexion(observation.terms.q[self._legs[foot].knee])
+            < self._rules.straight_flexion
         )
 
 

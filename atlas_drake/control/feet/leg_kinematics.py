@@ -1,55 +1,58 @@
-"""Legs in closed form: joint angles and torques, and the heights that they reach.
+"""Legs: joint angles in closed form, and the heights that legs reach.
 
-For the one layout of legs that ``robot.leg`` describes and reads. Joint limits and
-effort limits are checked in ``control.pelvis.pelvis_reach``.
+Joint limits and effort limits are checked in ``control.pelvis.pelvis_reach``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from atlas_drake.control.feet.leg_pose import LegPose
+from atlas_drake.control.feet.numeric_leg import NumericLeg
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import Leg
 from atlas_drake.rotations import rotation_x, rotation_y, rotation_z
 
+LegSolver = Callable[[np.ndarray, np.ndarray, LegPose | None], LegPose | None]
+"""Returns the pose of a leg for position and orientation of its sole in the pelvis.
 
-@dataclass(frozen=True)
-class LegPose:
-    """One leg's joints in one pose; all vectors in the pelvis frame."""
+The third argument is a pose nearby, or None. Returns None if the leg cannot reach it.
+"""
 
-    angles: np.ndarray  # Joint angles [rad], shape (6,)
-    axes: np.ndarray  # Unit vectors of the joints' axes, shape (6, 3)
-    points: np.ndarray  # A point on each axis [m], shape (6, 3)
 
-    def torques(self, p_PC: np.ndarray, f_P: np.ndarray) -> np.ndarray:
-        """Computes the joint torques [N·m], (6,), that hold forces [N] at p_PC [m]."""
-        return -(self.axes * np.cross(p_PC - self.points, f_P)).sum(axis=1)
+def leg_solver(leg: Leg) -> LegSolver:
+    """Returns the inverse kinematics of a leg: in closed form where there is one."""
+    if leg.planar is None:
+        return NumericLeg(leg).solve
+    return lambda p_PF, R_PF, near: solve_leg(leg, p_PF, R_PF)
 
 
 def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     """Solves the inverse kinematics of a leg for a pose of the sole, knee bent forward.
 
-    Returns None if the leg is too short, or the hip is below the ankle.
+    For a leg with a planar layout. Returns None if it is too short, or the hip is below
+    the ankle.
     """
+    plane = leg.planar
+    assert plane is not None
     p_PA = p_PF + R_PF @ leg.p_FA
     # Ankle x tilts the leg's plane to its constant distance from the hip center.
-    to_hip = R_PF.T @ (leg.p_PH - p_PA)
+    to_hip = R_PF.T @ (plane.p_PH - p_PA)
     away = math.hypot(to_hip[1], to_hip[2])
-    if to_hip[2] <= 0.0 or away <= abs(leg.aside):
+    if to_hip[2] <= 0.0 or away <= abs(plane.aside):
         return None
-    ankle_x = math.atan2(to_hip[1], to_hip[2]) + math.asin(leg.aside / away)
+    ankle_x = math.atan2(to_hip[1], to_hip[2]) + math.asin(plane.aside / away)
     R = R_PF @ rotation_x(-ankle_x)
     hip_x = math.asin(min(max(R[2, 1], -1.0), 1.0))
     hip_z = math.atan2(-R[0, 1], R[1, 1])
     pitch = math.atan2(-R[2, 0], R[2, 2])
     R_PX = rotation_z(hip_z) @ rotation_x(hip_x)
-    ankle = R_PX.T @ (p_PA - leg.p_PH)
-    x, z = ankle[0] - leg.hip[0], ankle[2] - leg.hip[1]
+    ankle = R_PX.T @ (p_PA - plane.p_PH)
+    x, z = ankle[0] - plane.hip[0], ankle[2] - plane.hip[1]
     thigh, shank = leg.thigh_length, leg.shank_length
     cosine = (x * x + z * z - thigh * thigh - shank * shank) / (2.0 * thigh * shank)
     if abs(cosine) > 1.0:
@@ -65,7 +68,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     ankle_y = math.remainder(pitch - hip_y - knee, math.tau)
 
     y_axis = R_PX[:, 1]
-    p_PT = leg.p_PH + R_PX @ leg.p_HT
+    p_PT = plane.p_PH + R_PX @ plane.p_HT
     p_PK = p_PT + R_PX @ rotation_y(hip_y) @ np.array([leg.thigh[0], 0, leg.thigh[1]])
     x_axis = np.array([math.cos(hip_z), math.sin(hip_z), 0.0])
     return LegPose(
@@ -73,7 +76,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
         axes=np.array(
             [[0.0, 0.0, 1.0], x_axis, y_axis, y_axis, y_axis, R[:, 0].tolist()]
         ),
-        points=np.array([leg.p_PH, leg.p_PH, p_PT, p_PK, p_PA, p_PA]),
+        points=np.array([plane.p_PH, plane.p_PH, p_PT, p_PK, p_PA, p_PA]),
     )
 
 
@@ -85,7 +88,7 @@ HALVINGS = 9
 
 
 def leg_length(leg: Leg, knee: float) -> float:
-    """Computes the distance from hip to ankle [m] for a knee angle ``knee`` [rad]."""
+    """Computes the distance from hip to ankle [m] for a knee's position [rad]."""
     a, b = leg.thigh_length, leg.shank_length
     return math.sqrt(a * a + b * b + 2.0 * a * b * math.cos(knee - leg.straight))
 
@@ -94,7 +97,7 @@ def knee_for_length(leg: Leg, length: float) -> float:
     """Computes the bent knee joint's position [rad] for a distance hip to ankle [m]."""
     a, b = leg.thigh_length, leg.shank_length
     cosine = (length * length - a * a - b * b) / (2.0 * a * b)
-    return leg.straight + math.acos(min(max(cosine, -1.0), 1.0))
+    return leg.knee_at(math.acos(min(max(cosine, -1.0), 1.0)))
 
 
 def hips_from_com(terms: WholeBodyTerms, legs: Sequence[Leg]) -> np.ndarray:
@@ -116,7 +119,7 @@ def highest_com(
     heights = []
     for foot, pose in footholds:
         leg = legs[foot]
-        longest = leg_length(leg, leg.straight + leg.least_flexion)
+        longest = leg_length(leg, leg.knee_at(leg.least_flexion))
         ankle = pose.p_WF + pose.R_WF @ leg.p_FA
         aside = com + hips[foot, :2] - ankle[:2]
         rise = math.sqrt(max(longest * longest - float(aside @ aside), 0.0))
@@ -132,7 +135,7 @@ def highest_sole(
     ``height`` is that of the center of mass in W [m].
     """
     leg = legs[foot]
-    folded = leg_length(leg, leg.straight + leg.most_flexion)
+    folded = leg_length(leg, leg.knee_at(leg.most_flexion))
     ankle = float(height + hips[foot, 2]) - folded
     return ankle - float(leg.p_FA[2])
 

@@ -27,12 +27,12 @@ from atlas_drake.rotations import mean_yaw, orientation, tilt_of, wrap_angle, ya
 
 @dataclass(frozen=True)
 class MotionLimits(Configuration):
-    """Limits on the motion of a point, in any unit."""
+    """Limits on the motion of a point, in the unit of its coordinates."""
 
     speed: NotNegative
-    """Greatest speed [1/s]."""
+    """Greatest speed [unit/s]."""
     acceleration: NotNegative
-    """Greatest acceleration [1/s²]."""
+    """Greatest acceleration [unit/s²]."""
     rate: Positive = 4.0
     """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate
     [1/s]."""
@@ -107,8 +107,8 @@ class PelvisRange(Configuration):
     other limits. Each is a least and a greatest value.
     """
 
-    height: Range = LeastGreatest(0.55, 0.95)
-    """Height of the pelvis' origin above the mean of the soles [m]."""
+    height: Range = LeastGreatest(-0.36, 0.04)
+    """Height of the pelvis' origin above that in the stand-prep pose [m]."""
     yaw: Range = LeastGreatest(-0.6, 0.6)
     """Yaw of the pelvis from the mean heading of the feet, to the left [rad]."""
     pitch: Range = LeastGreatest(-0.3, 0.5)
@@ -118,6 +118,24 @@ class PelvisRange(Configuration):
     com: Range = LeastGreatest(-0.5, 0.5)
     """Offset of the center of mass along either axis [m]; the support polygon limits it
     further."""
+
+    def clamp(self, goal: PelvisPose, upright: float) -> PelvisPose:
+        """Returns the pose within the range; ``upright``: height in stand-prep [m]."""
+        low, high = self.height
+        bounds = (
+            (upright + low, upright + high),
+            self.yaw,
+            self.pitch,
+            self.roll,
+            self.com,
+            self.com,
+        )
+        return PelvisPose(
+            *(
+                min(max(x, low), high)
+                for x, (low, high) in zip(goal, bounds, strict=True)
+            )
+        )
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Feasibility of pelvis poses: limits of the legs, their motors and the feet.
 
-A static check with the closed-form kinematics of the legs. Motion between poses is in
+A static check with the kinematics of the legs. Motion between poses is in
 ``pelvis_pose``.
 """
 
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.config import Configuration, NotNegative, Share
-from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
+from atlas_drake.control.feet.leg_kinematics import leg_solver
+from atlas_drake.control.feet.leg_pose import LegPose
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
@@ -23,7 +24,8 @@ nearly the same for all robots."""
 _BISECTIONS = 10
 """Halvings between a feasible and a commanded value: exact to 0.1 % of the distance."""
 _HEIGHT_SEARCH = 0.01
-"""Step of the downward search for a height that a wide stance allows [m]."""
+"""Step of the downward search for a height that a wide stance allows, in heights of
+the pelvis [-]."""
 
 
 @dataclass(frozen=True)
@@ -57,17 +59,23 @@ class PelvisReach:
         self.range = allowed or PelvisRange()
         self.reserves = reserves or PelvisReserves()
         self._legs: tuple[Leg, Leg] = robot.legs
+        self._upright = robot.pelvis_height
         self._weight = robot.mass * GRAVITY
         legs_mass = sum(float(leg.mass_beyond[0]) for leg in self._legs)
         self._legs_share = legs_mass / robot.mass
         margin = self.reserves.joint_margin
+        self._solvers = [leg_solver(leg) for leg in self._legs]
         self._lower, self._upper, self._effort = [], [], []
         for leg in self._legs:
             lower = robot.position_lower[leg.joints] + margin
-            straightest = leg.straight + self.reserves.least_flexion
-            lower[KNEE] = max(lower[KNEE], straightest)
+            upper = robot.position_upper[leg.joints] - margin
+            straightest = leg.knee_at(self.reserves.least_flexion)
+            if leg.knee_sign > 0.0:
+                lower[KNEE] = max(lower[KNEE], straightest)
+            else:
+                upper[KNEE] = min(upper[KNEE], straightest)
             self._lower.append(lower)
-            self._upper.append(robot.position_upper[leg.joints] - margin)
+            self._upper.append(upper)
             self._effort.append(
                 self.reserves.effort_share * robot.effort_limit[leg.joints]
             )
@@ -79,8 +87,18 @@ class PelvisReach:
         p_WU = (terms.com - share * p_WL) / (1.0 - share)
         return terms.R_WP.T @ (p_WU - terms.p_WP)
 
-    def allows(self, pose: PelvisPose, stance: Stance, p_PU: np.ndarray) -> bool:
-        """Returns True if the robot can stand in the pose."""
+    def allows(
+        self,
+        pose: PelvisPose,
+        stance: Stance,
+        p_PU: np.ndarray,
+        near: list[LegPose | None] | None = None,
+    ) -> bool:
+        """Returns True if the robot can stand in the pose.
+
+        ``near`` has the legs of a pose nearby, and gets those of this one.
+        """
+        near = [None, None] if near is None else near
         com = stance.com(pose)
         if stance.support.distance_outside(com) > -self.reserves.com_margin:
             return False
@@ -95,9 +113,10 @@ class PelvisReach:
         up_P = R_WP[2]
         for i, (leg, foot) in enumerate(zip(self._legs, stance.feet, strict=True)):
             p_PF = R_WP.T @ (foot.p_WF - p_WP)
-            held: LegPose | None = solve_leg(leg, p_PF, R_WP.T @ foot.R_WF)
+            held = self._solvers[i](p_PF, R_WP.T @ foot.R_WF, near[i])
             if held is None:
                 return False
+            near[i] = held
             angles = held.angles
             if (angles < self._lower[i]).any() or (angles > self._upper[i]).any():
                 return False
@@ -119,12 +138,14 @@ class PelvisReach:
         is moved toward ``goal`` as far as the coordinates before it allow: height, CoM,
         yaw, pitch, roll.
         """
-        goal = self._boxed(goal)
+        goal = self.range.clamp(goal, self._upright)
         if self.allows(goal, stance, p_PU):
             return goal
-        granted = home
+        granted, near = home, list[LegPose | None]([None, None])
         for name in ("height", "com_v0", "com_v1", "yaw", "pitch", "roll"):
-            granted = self._grant(granted, name, getattr(goal, name), stance, p_PU)
+            granted = self._grant(
+                granted, name, getattr(goal, name), stance, p_PU, near
+            )
         return granted
 
     def attainable(
@@ -135,29 +156,13 @@ class PelvisReach:
         Returns ``home`` itself if no height is feasible.
         """
         height = home.height
-        while height >= self.range.height[0]:
+        lowest = self._upright + self.range.height.least
+        while height >= lowest:
             lowered = home._replace(height=height)
             if self.allows(lowered, stance, p_PU):
                 return lowered
-            height -= _HEIGHT_SEARCH
+            height -= _HEIGHT_SEARCH * self._upright
         return home
-
-    def _boxed(self, goal: PelvisPose) -> PelvisPose:
-        allowed = self.range
-        bounds = (
-            allowed.height,
-            allowed.yaw,
-            allowed.pitch,
-            allowed.roll,
-            allowed.com,
-            allowed.com,
-        )
-        return PelvisPose(
-            *(
-                min(max(x, low), high)
-                for x, (low, high) in zip(goal, bounds, strict=True)
-            )
-        )
 
     def _grant(
         self,
@@ -166,6 +171,7 @@ class PelvisReach:
         goal: float,
         stance: Stance,
         p_PU: np.ndarray,
+        near: list[LegPose | None],
     ) -> PelvisPose:
         """Moves one coordinate of ``granted`` toward ``goal`` as far as is feasible."""
         best = granted
@@ -174,7 +180,7 @@ class PelvisReach:
         share = 1.0
         for _ in range(_BISECTIONS):
             trial = granted._replace(**{name: begin + share * (goal - begin)})
-            if self.allows(trial, stance, p_PU):
+            if self.allows(trial, stance, p_PU, near):
                 best, low = trial, share
                 if share == 1.0:
                     break

@@ -1,0 +1,132 @@
+"""Scales the controller's defaults from Atlas to a robot of another size, by units.
+
+Two walking robots whose speeds have the same Froude number v²/(g·h) move alike
+(Alexander, "The gaits of bipedal and quadrupedal animals", 1984): with lengths in
+proportion to the height h of the center of mass, times to √h and forces to the mass m,
+all accelerations are equal. So each parameter scales as its unit says:
+
+    m: h    s: √h    kg: m    N = kg·m/s²: m    rad, -: 1
+
+and a weight of the QP, per squared unit of a task, keeps what the task costs. What the
+soles bound scales with the soles. A robot of Atlas' proportions needs no value of its
+own; what a robot's file says goes before.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, NamedTuple, TypeVar
+
+from atlas_drake.config import LeastGreatest, unit_of
+from atlas_drake.robot import Size
+
+_T = TypeVar("_T")
+
+
+ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
+"""The robot whose values the defaults are; it stands narrower than in its pose."""
+
+ALONG_SOLE = ("length_margin", "cop_forward", "tolerated_forward")
+"""Parameters that scale with the length of the soles."""
+ACROSS_SOLE = ("width_margin", "cop_sideways", "tolerated_sideways", "cop_inward")
+"""Parameters that scale with the width of the soles."""
+GAP = 0.05
+"""Least distance between the soles of feet side by side, in heights of the center of
+mass [-]."""
+
+
+class Dimension(NamedTuple):
+    """Powers of a unit."""
+
+    length: int = 0
+    time: int = 0
+    mass: int = 0
+
+
+_UNITS = {
+    "m": Dimension(length=1),
+    "s": Dimension(time=1),
+    "kg": Dimension(mass=1),
+    "N": Dimension(1, -2, 1),
+    "W": Dimension(2, -3, 1),
+    "rad": Dimension(),
+    "-": Dimension(),
+    "1": Dimension(),
+}
+
+
+def scaled(defaults: _T, size: Size) -> _T:
+    """Returns a configuration with Atlas' values scaled to a robot of another size.
+
+    Args:
+        defaults: The configuration; each field's unit is in the text below it.
+        size: Of the robot.
+    """
+    h = size.height / ATLAS.height
+    own = {
+        **dict.fromkeys(ALONG_SOLE, size.sole_length / ATLAS.sole_length),
+        **dict.fromkeys(ACROSS_SOLE, size.sole_width / ATLAS.sole_width),
+    }
+
+    def factor(unit: str) -> float:
+        length, time, mass = dimension(unit)
+        return h ** (length + 0.5 * time) * (size.mass / ATLAS.mass) ** mass
+
+    def scale(value: Any, outer: str) -> Any:
+        """Scales the fields of a dataclass whose own field has the unit ``outer``."""
+        changed: dict[str, Any] = {}
+        for name in (field.name for field in fields(value)):
+            unit = unit_of(type(value), name)
+            part = getattr(value, name)
+            if is_dataclass(part):
+                changed[name] = scale(part, unit or outer)
+            elif unit:
+                by = own.get(name) or factor(unit.replace("unit", outer or "-"))
+                changed[name] = _times(part, by)
+        return replace(value, **changed)
+
+    made: _T = scale(defaults, "")
+    return made
+
+
+def feet_fitting(limits: LeastGreatest, size: Size) -> LeastGreatest:
+    """Returns limits of the distance between the feet that suit the stance [m]."""
+    narrowest = max(size.sole_width + 0.4 * GAP * size.height, 0.75 * size.stance_width)
+    return LeastGreatest(
+        min(limits.least, narrowest), max(limits.greatest, 1.6 * size.stance_width)
+    )
+
+
+def _times(value: Any, factor: float) -> Any:
+    if factor == 1.0:
+        return value
+    if isinstance(value, LeastGreatest):
+        return LeastGreatest(*(factor * end for end in value))
+    return factor * value
+
+
+@functools.cache
+def dimension(unit: str) -> Dimension:
+    """Returns the dimension of a unit such as ``1/(m/s²)²``.
+
+    Args:
+        unit: Factors ``m``, ``s``, ``kg``, ``N``, ``W``, ``rad`` with ``·``, ``/``,
+            squares and parentheses.
+
+    Raises:
+        ValueError: If there is another factor in it.
+    """
+    total = [0, 0, 0]
+    sign = 1
+    for operator, group, name, square in re.findall(
+        r"([·/]?)(?:\(([^()]*)\)|([^·/()²]+))(²?)", unit
+    ):
+        sign = -1 if operator == "/" else 1
+        if not group and name not in _UNITS:
+            raise ValueError(f"the unit {unit} has the unknown factor {name}")
+        part = dimension(group) if group else _UNITS[name]
+        power = sign * (2 if square else 1)
+        total = [have + power * more for have, more in zip(total, part, strict=True)]
+    return Dimension(*total)

@@ -1,0 +1,74 @@
+"""The controller's defaults for a robot of another size."""
+
+from dataclasses import replace
+
+import pytest
+
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.scaling import ATLAS, dimension, scaled
+from atlas_drake.robot import load_robot
+
+QUARTER = replace(ATLAS, mass=ATLAS.mass / 8, height=ATLAS.height / 4)
+"""A robot of a quarter of Atlas' height: its times are half as long."""
+
+
+@pytest.mark.parametrize(
+    ("unit", "powers"),
+    [
+        ("m", (1, 0, 0)),
+        ("rad/s²", (0, -2, 0)),
+        ("1/(m/s²)²", (-2, 4, 0)),
+        ("1/(N·m)²", (-4, 4, -2)),
+        ("N·m·s/rad", (2, -1, 1)),
+        ("-", (0, 0, 0)),
+    ],
+)
+def test_units_have_their_dimension(unit, powers):
+    assert tuple(dimension(unit)) == powers
+
+
+def test_an_unknown_unit_is_named():
+    with pytest.raises(ValueError, match=r"m/furlong has the unknown factor furlong"):
+        dimension("m/furlong")
+
+
+def test_atlas_keeps_its_values():
+    robot = load_robot()
+    assert ATLAS.mass == pytest.approx(robot.mass, abs=1e-3)
+    assert ATLAS.height == pytest.approx(robot.com_height, abs=1e-4)
+    assert ATLAS.sole_length == robot.file.sole.length
+    assert not robot.file.scaled
+    assert scaled(ControllerConfig(), ATLAS) == ControllerConfig()
+
+
+def test_each_value_scales_as_its_unit_says():
+    atlas, small = ControllerConfig(), scaled(ControllerConfig(), QUARTER)
+    for one, by in (
+        (lambda c: c.walk.limits.forward, 1 / 4),
+        (lambda c: c.walk.limits.duration.least, 1 / 2),
+        (lambda c: c.walk.limits.toe_out, 1),
+        (lambda c: c.walk.swing.landing_speed, 1 / 2),
+        (lambda c: c.walk.swing.late_acceleration, 1),
+        (lambda c: c.gains.com_height.kp, 4),
+        (lambda c: c.gains.com_height.kd, 2),
+        (lambda c: c.gains.weights.com, 1),
+        (lambda c: c.gains.weights.pelvis_orientation, 1 / 16),
+        (lambda c: c.gains.weights.contact_force, 64),
+        (lambda c: c.stance.balance_effort, 1 / 32),
+        # In the unit of its coordinates: metres of height, radians of turns.
+        (lambda c: c.manipulate.rates.height.speed, 1 / 2),
+        (lambda c: c.manipulate.rates.turn.speed, 2),
+        (lambda c: c.manipulate.rates.turn.rate, 2),
+        # As the soles, which are Atlas' here.
+        (lambda c: c.walk.adjustment.cop_forward, 1),
+        (lambda c: c.gains.contact.width_margin, 1),
+    ):
+        assert one(small) == pytest.approx(by * one(atlas))
+
+
+def test_the_feet_stand_as_in_the_stand_prep_pose():
+    config = ControllerConfig().scaled(replace(QUARTER, stance_width=0.09))
+    assert config.stance.width == 0.09
+    least, greatest = config.walk.limits.width
+    assert least < 0.09 < greatest
+    assert config.gait().half_width == pytest.approx(0.045)
