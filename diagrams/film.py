@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydrake.geometry import SceneGraph
 
 from atlas_drake.diagrams.replay import make_replay_station
@@ -16,14 +17,55 @@ from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.visualization import FILM_SIZE
 from atlas_drake.visualization.colors import joint_colors
-from atlas_drake.visualization.film_camera import FilmCamera
+from atlas_drake.visualization.film_camera import FilmCamera, looking_at
 from atlas_drake.visualization.film_file import FilmFile
-from atlas_drake.visualization.film_stage import FilmStage
+from atlas_drake.visualization.film_stage import FilmStage, Picture
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.shapes import shapes_of
 
 RATE = 25
 """Pictures per simulated second [1/s]."""
+
+
+def photograph(
+    log: Log, times: Sequence[float], view: View, size: tuple[int, int] = FILM_SIZE
+) -> list[Picture]:
+    """Takes pictures of a log.
+
+    Args:
+        log: Log of the run.
+        times: Simulated times of the pictures [s].
+        view: Place and target of the camera, relative to the pelvis' place on the
+            ground; it does not turn with the robot.
+        size: Width and height of the pictures [pixel].
+
+    Returns:
+        The pictures, each of shape (height, width, 3).
+
+    Raises:
+        FilmError: If the robot cannot be drawn.
+    """
+    robot = log.robot
+    lens, target = np.array(view.lens), np.array(view.target)
+    stages: list[FilmStage] = []
+
+    def set_up(scene_graph: SceneGraph) -> None:
+        X_TC = looking_at(lens - target, np.zeros(3))
+        stages.append(FilmStage(scene_graph, robot, size, X_TC))
+
+    station = make_replay_station(log, world_of(log.scenario.all_models()), set_up)
+    context: Any = station.CreateDefaultContext()
+    scene_graph = station.GetSubsystemByName("scene_graph")
+    scene_context = scene_graph.GetMyMutableContextFromRoot(context)
+    pictures = []
+    for time in times:
+        context.SetTime(time)
+        record = station.GetOutputPort("record").Eval(context)
+        place = np.append(record.pelvis.position[:2], 0.0)
+        query = station.GetOutputPort("query_object").Eval(context)
+        X_WC = looking_at(lens + place, target + place)
+        pictures.append(stages[0].picture(scene_context, query, (), None, X_WC))
+    return pictures
 
 
 def film(

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from atlas_drake.app import exit_status
+from atlas_drake.app.import_options import add_import_command
 from atlas_drake.app.options import (
     add_address_options,
     add_cockpit_option,
@@ -270,6 +271,7 @@ def _parser() -> _Parser:
     add_show_option(watch, "com,dcm,cop,support,swing,plan")
     teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts"))
 
+    add_import_command(commands)
     add_sweep_commands(commands, _LOST)
 
     diagram = commands.add_parser(

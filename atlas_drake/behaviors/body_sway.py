@@ -16,6 +16,10 @@ from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
 
+LEAST_LEVER = 0.2
+"""Least lever of an arm's joints about its hand, in heights of the center of mass, with
+which the hand keeps up [-]: a stretched arm cannot reach further ahead."""
+
 
 @dataclass(frozen=True)
 class BodySway(Configuration):
@@ -35,7 +39,8 @@ def arm_swing(robot: Robot, arms: float) -> np.ndarray:
     """Computes the joints' way per lead of the left foot [rad/m], shape (n,).
 
     It is the least motion of each arm that moves its hand along the pelvis' x axis,
-    from the stand-prep pose: the right hand by ``arms`` [-] ahead, the left one back.
+    from the stand-prep pose: the right hand by ``arms`` [-] ahead, the left one back,
+    and less where that would take a large motion.
     """
     swing = np.zeros(robot.num_joints)
     plant: Any = robot.plant
@@ -56,6 +61,6 @@ def arm_swing(robot: Robot, arms: float) -> np.ndarray:
             pelvis,
         )
         ahead = np.where(robot.limb(limb), J[0, indices.v], 0.0)
-        if ahead.any():
-            swing += way * ahead / (ahead @ ahead)
+        lever = LEAST_LEVER * robot.com_height
+        swing += way * ahead / max(float(ahead @ ahead), lever**2)
     return read_only(swing)

@@ -15,7 +15,7 @@ from atlas_drake.errors import ScenarioError
 
 LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
-LIMBS = ("back", "neck", *LEGS, "l_arm", "r_arm")
+LIMBS = ("back", "neck", *LEGS, "l_arm", "r_arm", "l_hand", "r_hand")
 Name = Annotated[str, MinLen(1)]
 """A name that must be given."""
 
@@ -29,8 +29,10 @@ class JointEntry(Configuration):
     alias: str = ""
     """Second name of the joint for users; for Atlas' joints the name in its first
     version."""
-    limb: Literal["back", "neck", "l_leg", "r_leg", "l_arm", "r_arm"]
-    """Limb of the joint: back, neck, l_leg, r_leg, l_arm or r_arm."""
+    limb: Literal[
+        "back", "neck", "l_leg", "r_leg", "l_arm", "r_arm", "l_hand", "r_hand"
+    ]
+    """Limb of the joint: back, neck, l_leg, r_leg, l_arm, r_arm, l_hand or r_hand."""
     kp: NotNegative = 0.0
     """Default position gain in force before any command [N·m/rad]."""
     kd: NotNegative = 0.0

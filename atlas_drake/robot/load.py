@@ -113,8 +113,13 @@ def _naming(path: Path) -> Iterator[None]:
         raise RobotDescriptionError(error.field, error.value, problem) from None
 
 
+def _name_of(path: Path) -> str:
+    """Returns the name of a robot's file; an import calls all files robot.yaml."""
+    return path.parent.name if path.stem == "robot" else path.stem
+
+
 def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
-    robot_name = name or path.stem
+    robot_name = name or _name_of(path)
     builder = DiagramBuilder()
     plant: Any = AddMultibodyPlantSceneGraph(builder, time_step=0.0)[0]
     urdf = find_urdf(path.parent, file.urdf)

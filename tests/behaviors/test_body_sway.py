@@ -1,9 +1,11 @@
 """Pelvis and arms swing with the feet of a walk."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.body_sway import arm_swing
+from atlas_drake.behaviors.body_sway import LEAST_LEVER, arm_swing
 
 
 def hand_places(robot, joints):
@@ -31,3 +33,22 @@ def test_each_hand_goes_ahead_with_the_other_foot(robot):
     # Only the arms move.
     assert not swing[~robot.limb("l_arm", "r_arm")].any()
     np.testing.assert_array_equal(arm_swing(robot, 0.0), 0.0)
+
+
+def test_a_stretched_arm_does_not_swing_wildly(robot):
+    """Ahead of a hand that is straight ahead of its shoulder there is nowhere to go."""
+    random = np.random.default_rng(0)
+    most, short = 1.0 / (LEAST_LEVER * robot.com_height), 0
+    for _ in range(60):
+        pose = random.uniform(robot.position_lower, robot.position_upper)
+        joints = [
+            dataclasses.replace(joint, stand_prep=float(angle))
+            for joint, angle in zip(robot.file.joints, pose, strict=True)
+        ]
+        file = dataclasses.replace(robot.file, joints=joints)
+        swing = arm_swing(dataclasses.replace(robot, file=file), 1.0)
+        for limb in ("l_arm", "r_arm"):
+            size = np.linalg.norm(swing[robot.limb(limb)])
+            assert size <= most
+            short += size > 0.8 * most
+    assert short > 0

@@ -1,0 +1,76 @@
+"""``atlas-drake import``: makes a robot of a URDF, and tries it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.outputs import quiet_logs
+from atlas_drake.app.progress import StatusLine
+from atlas_drake.errors import AtlasError
+
+LONGEST = 50.0
+"""Wall time after which nothing further is tried [s]."""
+
+
+def run_import(options: argparse.Namespace) -> int:
+    """Imports a robot; returns the exit status."""
+    deadline = time.monotonic() + LONGEST
+    progress = StatusLine(sys.stdout)
+    progress.show("Loading ...")
+    quiet_logs()
+    try:
+        from atlas_drake.importing.importer import folder_name, import_robot
+        from atlas_drake.importing.options import ImportOptions
+    except ImportError as error:
+        raise AtlasError(
+            f'an import needs {error.name}: pip install "atlas-drake[import]"'
+        ) from None
+    from atlas_drake.importing.findings import Findings
+    from atlas_drake.importing.source import find_source
+
+    source = find_source(options.robot)
+    chosen = ImportOptions(
+        packages=dict(options.package),
+        name=options.name,
+        faces=options.faces,
+        feet=options.feet and tuple(options.feet),
+        chest=options.chest,
+        hands=options.hands and tuple(options.hands),
+        sole=options.sole and tuple(options.sole),
+        fixed=tuple(options.fix),
+        fingers=options.fingers,
+    )
+    folder: Path = options.out or Path(folder_name(source, chosen))
+    progress.say(f"{source}")
+    findings = Findings(progress.say)
+    progress.show("Reading links, joints and meshes ...")
+    robot = import_robot(source, folder.absolute(), chosen, findings)
+    progress.say(f"Wrote {folder}/robot.yaml")
+    if options.no_trial:
+        return exit_status.OK
+    return _try(robot, folder, findings, deadline, progress)
+
+
+def _try(robot, folder, findings, deadline, progress) -> int:  # type: ignore[no-untyped-def]
+    from atlas_drake.importing.report import results, write_page, write_picture
+    from atlas_drake.importing.trial import try_robot
+
+    with tempfile.TemporaryDirectory() as temporary:
+        log = Path(temporary) / "trial.mcap"
+        trial = try_robot(
+            robot.path, log, deadline, lambda text: progress.show(f"Trying: {text} ...")
+        )
+        for name, value in results(trial):
+            progress.say(f"{name}: {value}")
+        progress.show("Drawing ...")
+        write_page(trial, robot, findings, folder / "report.md")
+        write_picture(log, trial, robot, folder / "report.png")
+    progress.say(f"Wrote {folder}/report.md and report.png")
+    progress.say(f"Try it: atlas-drake teleop --model {folder}/robot.yaml")
+    done = trial.stands and trial.walks
+    return exit_status.OK if done else exit_status.FAILED

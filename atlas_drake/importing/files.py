@@ -1,0 +1,260 @@
+"""Writes an imported robot: URDF, meshes, and the YAML file that people edit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import lxml.etree as etree
+import numpy as np
+import yaml
+from pydrake.math import RotationMatrix
+
+from atlas_drake.importing.anatomy import Anatomy
+from atlas_drake.importing.findings import LOST, Findings
+from atlas_drake.importing.meshes import (
+    MeshLibrary,
+    vertices_of,
+    write_hull,
+    write_visible,
+)
+from atlas_drake.importing.repairs import listed
+from atlas_drake.importing.soles import Soles
+from atlas_drake.importing.tree import Tree
+from atlas_drake.robot import RobotFile
+
+URDF, YAML, MESHES = "robot.urdf", "robot.yaml", "meshes"
+SOLES = ("l_sole_frame", "r_sole_frame")
+UPRIGHT = "chest_upright_frame"
+"""Frame of the chest, parallel to the pelvis with all joints at zero."""
+DRAKE = "http://drake.mit.edu"
+CONTACT_RADIUS = 0.005
+"""Radius of the balls at the corners of each sole [m]."""
+
+
+def write_urdf(
+    tree: Tree,
+    anatomy: Anatomy,
+    soles: Soles,
+    meshes: MeshLibrary,
+    folder: Path,
+    findings: Findings,
+) -> Path:
+    """Writes the URDF and the meshes of the tree into a folder."""
+    (folder / MESHES).mkdir(parents=True, exist_ok=True)
+    root = etree.Element("robot", name=folder.name, nsmap={"drake": DRAKE})
+    flat: list[str] = []
+    for name, link in tree.links.items():
+        element = etree.SubElement(root, "link", name=name)
+        _add_inertial(element, link.inertial)
+        _add_visuals(element, name, link, meshes, folder)
+        body = tree.body_of(name)
+        if body not in anatomy.feet:
+            flat += _add_hulls(element, name, link, meshes, folder)
+        elif name == body:
+            _add_corners(element, soles, anatomy.feet.index(body))
+    for joint in tree.joints.values():
+        _add_joint(root, joint)
+    for name, foot, X_FS in zip(SOLES, anatomy.feet, soles.poses, strict=True):
+        _add_frame(root, name, foot, X_FS)
+    X = tree.poses()
+    upright = np.eye(4)
+    upright[:3, :3] = X[anatomy.chest][:3, :3].T
+    _add_frame(root, UPRIGHT, anatomy.chest, upright)
+    if flat:
+        findings.add(LOST, f"collision shapes without a volume: {listed(flat)}")
+    if meshes.lost:
+        first, reason = next(iter(meshes.lost.items()))
+        findings.add(LOST, f"{len(meshes.lost)} meshes, such as {first}: {reason}")
+    path = folder / URDF
+    etree.ElementTree(root).write(
+        str(path), pretty_print=True, xml_declaration=True, encoding="utf-8"
+    )
+    return path
+
+
+def _add_inertial(element: Any, inertial: Any) -> None:
+    if inertial is None:
+        return
+    inside = etree.SubElement(element, "inertial")
+    _add_origin(inside, inertial.origin)
+    etree.SubElement(inside, "mass", value=_text(inertial.mass))
+    inertia = np.asarray(inertial.inertia, dtype=float)
+    values = {
+        f"i{'xyz'[a]}{'xyz'[b]}": _text(inertia[a, b])
+        for a in range(3)
+        for b in range(a, 3)
+    }
+    etree.SubElement(inside, "inertia", **values)
+
+
+def _add_visuals(
+    element: Any, name: str, link: Any, meshes: MeshLibrary, folder: Path
+) -> None:
+    for number, shape in enumerate(link.visuals):
+        seen = meshes.shape(shape.geometry)
+        if not seen:
+            continue
+        inside = etree.SubElement(element, "visual")
+        _add_origin(inside, shape.origin)
+        color = getattr(getattr(shape.material, "color", None), "rgba", None)
+        if shape.geometry.mesh is not None:
+            file = f"{MESHES}/{name}_{number}.gltf"
+            is_plain = shape.geometry.mesh.filename.lower().endswith(".stl")
+            write_visible(seen, folder / file, color if is_plain else None)
+            _add_mesh(inside, file)
+            continue
+        _add_primitive(inside, shape.geometry)
+        if color is not None:
+            material = etree.SubElement(inside, "material", name=f"{name}_{number}")
+            etree.SubElement(material, "color", rgba=_text(*color))
+
+
+def _add_hulls(
+    element: Any, name: str, link: Any, meshes: MeshLibrary, folder: Path
+) -> list[str]:
+    """Adds the collision shapes, meshes as their hulls; returns names of flat ones."""
+    flat = []
+    for number, shape in enumerate(link.collisions):
+        felt = meshes.shape(shape.geometry)
+        if not felt:
+            continue
+        file = f"{MESHES}/{name}_{number}.obj"
+        is_mesh = shape.geometry.mesh is not None
+        if is_mesh and not write_hull(vertices_of(felt, np.eye(4)), folder / file):
+            flat.append(name)
+            continue
+        inside = etree.SubElement(element, "collision")
+        _add_origin(inside, shape.origin)
+        if is_mesh:
+            mesh = _add_mesh(inside, file)
+            etree.SubElement(mesh, f"{{{DRAKE}}}declare_convex")
+        else:
+            _add_primitive(inside, shape.geometry)
+    return flat
+
+
+def _add_corners(element: Any, soles: Soles, foot: int) -> None:
+    """Adds a ball to each corner of a sole."""
+    for x in (-0.5, 0.5):
+        for y in (-0.5, 0.5):
+            corner = np.eye(4)
+            corner[:3, 3] = x * soles.length, y * soles.width, CONTACT_RADIUS
+            inside = etree.SubElement(element, "collision")
+            _add_origin(inside, soles.poses[foot] @ corner)
+            geometry = etree.SubElement(inside, "geometry")
+            etree.SubElement(geometry, "sphere", radius=_text(CONTACT_RADIUS))
+
+
+def _add_mesh(inside: Any, file: str) -> Any:
+    geometry = etree.SubElement(inside, "geometry")
+    return etree.SubElement(geometry, "mesh", filename=file)
+
+
+def _add_primitive(inside: Any, shape: Any) -> None:
+    geometry = etree.SubElement(inside, "geometry")
+    if shape.box is not None:
+        etree.SubElement(geometry, "box", size=_text(*shape.box.size))
+    elif shape.sphere is not None:
+        etree.SubElement(geometry, "sphere", radius=_text(shape.sphere.radius))
+    else:
+        drum = shape.cylinder
+        size = {"radius": _text(drum.radius), "length": _text(drum.length)}
+        etree.SubElement(geometry, "cylinder", **size)
+
+
+def _add_joint(root: Any, joint: Any) -> None:
+    element = etree.SubElement(root, "joint", name=joint.name, type=joint.type)
+    etree.SubElement(element, "parent", link=joint.parent)
+    etree.SubElement(element, "child", link=joint.child)
+    _add_origin(element, joint.origin)
+    if joint.type == "fixed":
+        return
+    etree.SubElement(element, "axis", xyz=_text(*joint.axis))
+    limit = joint.limit
+    etree.SubElement(
+        element,
+        "limit",
+        lower=_text(limit.lower),
+        upper=_text(limit.upper),
+        effort=_text(limit.effort),
+        velocity=_text(limit.velocity),
+    )
+    damping = getattr(joint.dynamics, "damping", None)
+    if damping:
+        etree.SubElement(element, "dynamics", damping=_text(damping))
+    transmission = etree.SubElement(root, "transmission", name=f"{joint.name}_motor")
+    kind = etree.SubElement(transmission, "type")
+    kind.text = "transmission_interface/SimpleTransmission"
+    etree.SubElement(transmission, "joint", name=joint.name)
+    etree.SubElement(transmission, "actuator", name=joint.name)
+
+
+def _add_frame(root: Any, name: str, link: str, X_LF: np.ndarray) -> None:
+    frame = etree.SubElement(root, "frame", name=name, link=link)
+    frame.set("xyz", _text(*X_LF[:3, 3]))
+    frame.set("rpy", _text(*_rpy(X_LF)))
+
+
+def _add_origin(element: Any, X: np.ndarray | None) -> None:
+    if X is not None:
+        place, turn = _text(*X[:3, 3]), _text(*_rpy(X))
+        etree.SubElement(element, "origin", xyz=place, rpy=turn)
+
+
+def _rpy(X: np.ndarray) -> Any:
+    rotation = RotationMatrix.ProjectToRotationMatrix(X[:3, :3])
+    return rotation.ToRollPitchYaw().vector()
+
+
+def _text(*numbers: float) -> str:
+    return " ".join(f"{float(number) + 0.0:.9g}" for number in numbers)
+
+
+def write_yaml(
+    file: RobotFile, folder: Path, source: str, notes: Sequence[str]
+) -> Path:
+    """Writes the robot's YAML file, one line per joint, for people to edit."""
+    length, width = file.sole.length, file.sole.width
+    lines = [
+        f"# Imported from {source}. Edit it freely; an import writes it anew.",
+        *(f"# {note}" for note in notes),
+        f"urdf: {file.urdf}",
+        f"pelvis: {_name(file.pelvis)}",
+        f"chest: {file.chest} # The chest, parallel to the pelvis.",
+    ]
+    if file.hands:
+        lines.append(f"hands: [{', '.join(map(_name, file.hands))}]")
+    lines.append("feet:")
+    lines += [
+        f"- {{body: {_name(foot.body)}, sole_frame: {foot.sole_frame}}}"
+        for foot in file.feet
+    ]
+    lines.append(f"sole: {{length: {length:.4f}, width: {width:.4f}}}")
+    if file.pushed:
+        lines.append(f"pushed: [{', '.join(map(_name, file.pushed))}]")
+    if file.no_collisions:
+        lines.append("no_collisions: # Their shapes overlap.")
+        lines += [f"- [{_name(a)}, {_name(b)}]" for a, b in file.no_collisions]
+    lines.append(
+        "# The controller's values scale with the robot; others go here, as in"
+    )
+    lines.append("# controller: {walk: {limits: {forward: 0.3}}}")
+    lines.append("# kp [N·m/rad] and kd [N·m·s/rad] are in force before any command;")
+    lines.append("# stand_prep [rad] is the pose from which STAND can begin.")
+    lines.append("joints:")
+    lines += [
+        f"- {{name: {_name(joint.name)}, limb: {joint.limb}, kp: {joint.kp:.3g}, "
+        f"kd: {joint.kd:.3g}, stand_prep: {joint.stand_prep:.5f}}}"
+        for joint in file.joints
+    ]
+    path = folder / YAML
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def _name(text: str) -> str:
+    """Returns a name as YAML reads it back."""
+    plain = yaml.safe_load(text) == text and not set(text) & set("{}[],:#&*!|>'\"%@`")
+    return text if plain else f'"{text}"'

@@ -1,0 +1,36 @@
+"""What an import found, guessed and repaired, and why it refuses a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from atlas_drake.errors import AtlasError
+
+FOUND, GUESSED, REPAIRED, LOST = "found", "guessed", "repaired", "left out"
+
+
+class ImportRefused(AtlasError):
+    """A file that cannot become a robot; names the link or the joint and its number."""
+
+
+@dataclass
+class Findings:
+    """The findings so far, each said at once.
+
+    Attributes:
+        say: Takes each finding as a line of text.
+        lines: Kind and text of each finding.
+    """
+
+    say: Callable[[str], object]
+    lines: list[tuple[str, str]] = field(default_factory=list)
+
+    def add(self, kind: str, text: str) -> None:
+        """Adds a finding of one of the kinds above."""
+        self.lines.append((kind, text))
+        self.say(f"{kind:>9}  {text}")
+
+    def of(self, kind: str) -> list[str]:
+        """Returns the texts of one kind."""
+        return [text for known, text in self.lines if known == kind]

@@ -1,0 +1,141 @@
+"""Shapes of links: their vertices, and files of them that Drake reads.
+
+Reading, hulls, simplification and writing are trimesh's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from trimesh.visual.material import PBRMaterial
+
+MOST_FACES = 6000
+"""Faces from which a visible shape is simplified: the browser loads it at once."""
+MOST_HULL_POINTS = 64
+"""Vertices from which a convex hull is simplified: contacts are computed faster."""
+_TO_Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
+"""glTF files have y up, and are turned back by whoever reads them."""
+_ROUGHNESS = 0.8
+_PLAIN = np.array([200, 200, 205, 255], dtype=np.uint8)
+"""Color of a mesh without one."""
+
+Shape = Sequence[Any]
+"""Triangle meshes of one geometry, each of one color."""
+
+
+class MeshLibrary:
+    """Reads each mesh once.
+
+    Attributes:
+        lost: Why files could not be read, by their names in the URDF.
+    """
+
+    def __init__(self, resolve: Callable[[str], Path]) -> None:
+        """Finds files by ``resolve``."""
+        self._resolve = resolve
+        self._known: dict[Path, Shape] = {}
+        self.lost: dict[str, str] = {}
+
+    def shape(self, geometry: Any) -> Shape:
+        """Returns the meshes of a geometry in its frame; none if it cannot be read."""
+        if geometry.box is not None:
+            return [trimesh.creation.box(extents=geometry.box.size)]
+        if geometry.sphere is not None:
+            return [trimesh.creation.icosphere(2, radius=geometry.sphere.radius)]
+        if geometry.cylinder is not None:
+            drum = geometry.cylinder
+            return [trimesh.creation.cylinder(drum.radius, drum.length, sections=24)]
+        mesh = geometry.mesh
+        try:
+            path = self._resolve(mesh.filename)
+            if path not in self._known:
+                self._known[path] = _read(path)
+        except Exception as error:  # trimesh raises whatever its readers raise.
+            self.lost[mesh.filename] = " ".join(str(error).split())
+            return []
+        scale = np.ones(3) if mesh.scale is None else np.asarray(mesh.scale, float)
+        X = np.diag([*np.broadcast_to(scale, 3), 1.0])
+        return [one.copy().apply_transform(X) for one in self._known[path]]
+
+
+def _read(path: Path) -> Shape:
+    scene = trimesh.load_scene(path)
+    parts = [one for one in scene.dump() if len(getattr(one, "faces", ()))]
+    if not parts:
+        raise ValueError(f"{path} has no triangles")
+    turned = path.suffix.lower() == ".dae" and b"Y_UP" in path.read_bytes()
+    for part in parts:
+        color = _color(part.visual)
+        part.visual = trimesh.visual.ColorVisuals(part, face_colors=color)
+        if turned:
+            part.apply_transform(np.linalg.inv(_TO_Y_UP))
+    return parts
+
+
+def _color(visual: Any) -> np.ndarray:
+    """Returns the color of a mesh, of a texture its mean."""
+    material = getattr(visual, "material", None)
+    image = getattr(material, "image", None) or getattr(
+        material, "baseColorTexture", None
+    )
+    if image is not None:
+        mean = np.asarray(image.convert("RGB"), dtype=float).mean(axis=(0, 1))
+        return np.array([*mean, 255], dtype=np.uint8)
+    color = getattr(material or visual, "main_color", None)
+    return _PLAIN if color is None else np.asarray(color, dtype=np.uint8)
+
+
+def vertices_of(shape: Shape, X: np.ndarray) -> np.ndarray:
+    """Returns the vertices of the convex hull of a shape, moved by X, shape (n, 3)."""
+    points = np.concatenate([np.asarray(one.vertices) for one in shape])
+    if len(points) > MOST_HULL_POINTS:
+        try:
+            points = np.asarray(trimesh.convex.hull_points(points))
+        except Exception:  # A flat shape has no hull.
+            points = np.unique(points, axis=0)
+    moved: np.ndarray = points @ X[:3, :3].T + X[:3, 3]
+    return moved
+
+
+def write_visible(shape: Shape, path: Path, color: Sequence[float] | None) -> None:
+    """Writes a shape as glTF, simplified if it is large, in one color or its own."""
+    share = MOST_FACES / sum(len(one.faces) for one in shape)
+    scene = trimesh.Scene()
+    for one in shape:
+        own = one.visual.main_color / 255.0 if color is None else color
+        wanted = max(int(share * len(one.faces)), 20)
+        if wanted < len(one.faces):
+            simpler = one.simplify_quadric_decimation(face_count=wanted)
+            one = simpler if len(simpler.faces) else one
+        one.fix_normals()
+        material = PBRMaterial(
+            baseColorFactor=[*map(float, own)],
+            metallicFactor=0.0,
+            roughnessFactor=_ROUGHNESS,
+        )
+        one.visual = trimesh.visual.TextureVisuals(material=material)
+        scene.add_geometry(one.apply_transform(_TO_Y_UP))
+    data = trimesh.exchange.gltf.export_gltf(
+        scene, merge_buffers=True, embed_buffers=True, include_normals=True
+    )
+    path.write_bytes(data["model.gltf"])
+
+
+def write_hull(points: np.ndarray, path: Path) -> bool:
+    """Writes the convex hull of points as .obj; returns False for a flat shape."""
+    try:
+        hull = trimesh.convex.convex_hull(points)
+        if len(hull.vertices) > MOST_HULL_POINTS:
+            directions = trimesh.creation.icosphere(1).vertices
+            far = np.unique((hull.vertices @ directions.T).argmax(axis=0))
+            hull = trimesh.convex.convex_hull(hull.vertices[far])
+    except Exception:  # Qhull and trimesh raise several kinds.
+        return False
+    lines = [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in hull.vertices]
+    lines += [f"f {i} {j} {k}" for i, j, k in hull.faces + 1]
+    path.write_text("\n".join(lines) + "\n")
+    return True

@@ -1,0 +1,200 @@
+"""Mends what no robot can have: virtual roots, joints without motors, inertias, limits.
+
+Each repair is a finding. What decides whether the robot can stand is not repaired here
+but refused where it is found.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import yourdfpy.urdf as urdf
+
+from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings, ImportRefused
+from atlas_drake.importing.meshes import MeshLibrary, vertices_of
+from atlas_drake.importing.tree import MOVING, Tree
+
+LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3
+"""Limits that no motor has [N·m], [rad/s]: files say so for "not known"."""
+USUAL_SPEED = 10.0
+"""Velocity limit where a file has none [rad/s]."""
+USUAL_EFFORT = 0.3
+"""Effort limit where a file has none, per weight: Atlas' knee has 0.25 [m]."""
+LEAST_MASS = 1e-3
+"""Mass of a moving link without one [kg]."""
+LEAST_RADIUS = 0.005
+"""Radius of gyration of a link without a shape [m]."""
+_SHOWN = 6
+
+
+def drop_virtual_root(tree: Tree, findings: Findings) -> None:
+    """Makes the first link below ``world`` or a floating joint the root."""
+    tree.index()
+    while True:
+        root = tree.root
+        joints = tree.below(root)
+        if len(joints) != 1:
+            return
+        (joint,) = joints
+        virtual = root == "world" or joint.type == "floating"
+        if not virtual:
+            return
+        del tree.links[root], tree.joints[joint.name]
+        findings.add(
+            REPAIRED, f"link {root} and joint {joint.name} are no parts: dropped"
+        )
+        tree.index()
+
+
+def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
+    """Makes joints fixed that have no motor of their own, and those of the user."""
+    reasons: dict[str, list[str]] = {}
+    for name in named:
+        if name not in tree.joints:
+            raise ImportRefused(f"--fix {name}: there is no such joint")
+        reasons.setdefault("as asked", []).append(name)
+        fix(tree, tree.joints[name])
+    for joint in tree.joints.values():
+        reason = ""
+        if joint.type not in (*MOVING, "fixed"):
+            reason = f"as {joint.type} is not simulated"
+        elif joint.type != "fixed" and joint.mimic is not None:
+            reason = "as they mimic another joint"
+        elif joint.type == "revolute":
+            lower, upper = tree.limits(joint)
+            if joint.limit is None or lower == upper:
+                reason = "as they have no range"
+        if reason:
+            reasons.setdefault(reason, []).append(joint.name)
+            fix(tree, joint)
+    for reason, names in reasons.items():
+        findings.add(REPAIRED, f"fixed {reason}: {listed(names)}")
+
+
+def fix(tree: Tree, joint: Any) -> None:
+    """Makes a joint fixed, at zero or the nearest position that it can have."""
+    if joint.type in MOVING:
+        lower, upper = tree.limits(joint)
+        angle = min(max(0.0, lower), upper)
+        if angle:
+            poses = tree.poses({joint.name: angle})
+            joint.origin = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
+    joint.type, joint.mimic, joint.limit, joint.dynamics = "fixed", None, None, None
+
+
+def turn_root(tree: Tree, yaw: float) -> None:
+    """Turns the root's frame about its z by ``yaw`` [rad]; nothing moves."""
+    X = np.eye(4)
+    c, s = math.cos(yaw), math.sin(yaw)
+    X[:2, :2] = [[c, s], [-s, c]]
+    root = tree.links[tree.root]
+    shapes = [*root.visuals, *root.collisions]
+    if root.inertial is not None:
+        shapes.append(root.inertial)
+    for part in (*shapes, *tree.below(root.name)):
+        part.origin = X @ (np.eye(4) if part.origin is None else part.origin)
+
+
+def repair_limits(tree: Tree, findings: Findings) -> None:
+    """Gives moving joints limits of range, speed and effort where they have none."""
+    effort = USUAL_EFFORT * 9.81 * tree.mass_of(list(tree.links))
+    guessed: dict[str, list[str]] = {}
+    for joint in tree.joints.values():
+        if not tree.moves(joint):
+            continue
+        lower, upper = tree.limits(joint)
+        if lower > upper:
+            raise ImportRefused(
+                f"joint {joint.name}: goes from {lower:g} to {upper:g} rad, backward"
+            )
+        limit = joint.limit or urdf.Limit()
+        limit.lower, limit.upper = lower, upper
+        if not 0.0 < float(limit.effort or 0.0) < LARGEST_EFFORT:
+            limit.effort = round(effort, 1)
+            guessed.setdefault(f"effort limit {effort:.0f} N·m", []).append(joint.name)
+        if not 0.0 < float(limit.velocity or 0.0) < LARGEST_SPEED:
+            limit.velocity = USUAL_SPEED
+            text = f"velocity limit {USUAL_SPEED:g} rad/s"
+            guessed.setdefault(text, []).append(joint.name)
+        joint.limit, joint.type = limit, "revolute"
+        if joint.dynamics is not None:
+            joint.dynamics.friction = None
+    for text, names in guessed.items():
+        findings.add(GUESSED, f"{text}, where the file has none: {listed(names)}")
+
+
+def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None:
+    """Gives links a mass and an inertia that a body can have."""
+    impossible, massless, none = list[str](), list[str](), list[str]()
+    for name, link in tree.links.items():
+        inertial = link.inertial
+        if inertial is not None:
+            if inertial.origin is None:
+                inertial.origin = np.eye(4)
+            mass = float(inertial.mass or 0.0)
+            if not math.isfinite(mass) or mass < 0.0:
+                raise ImportRefused(f"link {name}: its mass is {mass:g} kg")
+            if mass == 0.0:
+                link.inertial = None
+            elif not is_possible(mass, inertial.inertia):
+                given = np.asarray(inertial.inertia, float)
+                (none if not np.any(given) else impossible).append(name)
+                inertial.inertia = _box(tree, name, mass, inertial.origin, meshes)
+    for joint in tree.joints.values():
+        if not tree.moves(joint):
+            continue
+        parts = tree.parts_of(joint.child)
+        below = list(tree.all_below(joint.child))
+        if tree.mass_of(parts) == 0.0 and len(below) == len(parts):
+            link = tree.links[joint.child]
+            X = np.eye(4)
+            inertia = LEAST_MASS * LEAST_RADIUS**2 * np.eye(3)
+            link.inertial = urdf.Inertial(X, LEAST_MASS, inertia)
+            massless.append(joint.child)
+    for names, what in (
+        (impossible, "inertia that no body has"),
+        (none, "inertia of zero"),
+    ):
+        if names:
+            findings.add(REPAIRED, f"{what}, that of its shape taken: {listed(names)}")
+    if massless:
+        findings.add(REPAIRED, f"no mass, 1 g taken: {listed(massless)}")
+
+
+def is_possible(mass: float, inertia: Any) -> bool:
+    """Returns True if a body can have this mass [kg] and central inertia [kg·m²]."""
+    if inertia is None:
+        return False
+    given = np.asarray(inertia, dtype=float)
+    if not np.isfinite(given).all():
+        return False
+    small, middle, large = np.linalg.eigvalsh(0.5 * (given + given.T))
+    return bool(small > 1e-7 * mass and large <= (small + middle) * (1.0 + 1e-6))
+
+
+def _box(
+    tree: Tree, name: str, mass: float, X_LC: np.ndarray, meshes: MeshLibrary
+) -> np.ndarray:
+    """Returns the inertia of the box about a link's shapes [kg·m²]."""
+    link = tree.links[name]
+    points = []
+    for shape in link.collisions or link.visuals:
+        found = meshes.shape(shape.geometry)
+        if found:
+            X_LS = np.eye(4) if shape.origin is None else shape.origin
+            points.append(vertices_of(found, np.linalg.inv(X_LC) @ X_LS))
+    size = np.full(3, LEAST_RADIUS)
+    if points:
+        size = np.maximum(np.ptp(np.concatenate(points), axis=0), LEAST_RADIUS)
+    x, y, z = size**2
+    return mass / 12.0 * np.diag([y + z, x + z, x + y])
+
+
+def listed(names: list[str]) -> str:
+    """Returns the first names, and how many more there are."""
+    more = len(names) - _SHOWN
+    text = ", ".join(names[:_SHOWN])
+    return f"{text} and {more} more" if more > 0 else text

@@ -1,0 +1,111 @@
+"""The page of an import: pictures from front and side, and what the robot does."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.diagrams.film import photograph
+from atlas_drake.importing.findings import GUESSED, LOST, REPAIRED, Findings
+from atlas_drake.importing.trial import NEAR_LIMIT, Trial
+from atlas_drake.logs import read_log
+from atlas_drake.robot import Robot
+from atlas_drake.scenario.world_file import View
+
+SIZE = (420, 560)
+"""Of each picture [pixel]."""
+FAR = 2.3
+"""Distance of the camera, in heights of the robot [-]."""
+
+
+def write_picture(log_path: Path, trial: Trial, robot: Robot, path: Path) -> None:
+    """Writes the robot standing and walking, each from front and side, into a PNG."""
+    from PIL import Image
+
+    log = read_log(log_path)
+    h = _height(robot)
+    middle = [0.0, 0.0, 0.5 * h]
+    views = [
+        View([FAR * h, 0.3 * h, 0.7 * h], middle),
+        View([0.1 * h, -FAR * h, 0.7 * h], middle),
+    ]
+    taken = [photograph(log, trial.moments, view, SIZE) for view in views]
+    row = [picture for pair in zip(*taken, strict=True) for picture in pair]
+    Image.fromarray(np.concatenate(row, axis=1)).save(path)
+
+
+def _height(robot: Robot) -> float:
+    """Returns the height of the robot's topmost frame, with a little more [m]."""
+    plant: Any = robot.plant
+    context = plant.CreateDefaultContext()
+    for name, angle in zip(robot.joint_names, robot.stand_prep, strict=True):
+        plant.GetJointByName(name).set_angle(context, angle)
+    heights = [
+        plant.GetBodyByName(name).EvalPoseInWorld(context).translation()[2]
+        for name in robot.body_names
+    ]
+    top = max(heights) - heights[robot.body_names.index(robot.file.pelvis)]
+    return 1.1 * (float(top) + robot.pelvis_height)
+
+
+def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> None:
+    """Writes the numbers."""
+    lines = [
+        f"# {robot.name}",
+        "",
+        "![Standing and walking, from the front and from its right](report.png)",
+        "",
+        f"{robot.mass:.1f} kg, center of mass {robot.com_height:.3f} m high, "
+        f"{robot.num_joints} joints, soles {robot.file.sole.length:.3f} m by "
+        f"{robot.file.sole.width:.3f} m.",
+        "",
+        "| | |",
+        "| --- | --- |",
+        *(f"| {name} | {value} |" for name, value in results(trial)),
+        "",
+    ]
+    if trial.near_limit:
+        lines += [f"Joints above {NEAR_LIMIT:.0%} of their effort limit:", ""]
+        ordered = sorted(trial.near_limit.items(), key=lambda item: -item[1])
+        lines += [f"- {name}: {share:.0%}" for name, share in ordered]
+        lines.append("")
+    for kind in (REPAIRED, GUESSED, LOST):
+        texts = findings.of(kind)
+        if texts:
+            lines += [f"{kind.capitalize()}:", "", *(f"- {text}" for text in texts), ""]
+    if trial.events:
+        lines += ["Events:", "", *(f"- {text}" for text in trial.events), ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+def results(trial: Trial) -> list[tuple[str, str]]:
+    """Returns name and value of what the trial found."""
+
+    def yes(done: bool) -> str:
+        return "yes" if done else "no"
+
+    found = [("stands", yes(trial.stands))]
+    if trial.stands:
+        steps = f"{trial.stride:.3f} m in {trial.duration:.2f} s"
+        landing = ""
+        if math.isfinite(trial.landing):
+            landing = f", feet within {1e3 * trial.landing:.0f} mm"
+        found.append((f"walks, steps of {steps}", yes(trial.walks) + landing))
+    if trial.strides:
+        found.append(
+            ("strides", ", ".join(f"{stride:.2f} m" for stride in trial.strides))
+        )
+    if trial.walks:
+        found.append(("a push after the walk", yes(trial.pushed)))
+    if trial.pushes:
+        borne = ", ".join(
+            f"{name} {speed:.2f} m/s" if speed else f"{name} none"
+            for name, speed in trial.pushes.items()
+        )
+        found.append(("pushes while it stands", borne))
+    if math.isfinite(trial.real_time):
+        found.append(("simulated time per wall time", f"{trial.real_time:.1f}"))
+    return found

@@ -1,0 +1,266 @@
+"""The stand-prep pose of a robot, and its default gains."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.math import RotationMatrix
+from pydrake.multibody.inverse_kinematics import (
+    ComPositionConstraint,
+    InverseKinematics,
+)
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.solvers import Solve
+
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.importing.findings import FOUND, Findings, ImportRefused
+from atlas_drake.robot import Leg, RobotFile
+from atlas_drake.robot.leg import read_legs
+from atlas_drake.robot.parsing import parse
+
+FLEXION, LEAST_FLEXION = 0.7, 0.5
+"""Flexion of the knees in the pose; the least with which the controller can stand
+[rad]."""
+STANCE_SHARE = 0.256
+"""Greatest distance between the feet, in heights of the center of mass: Atlas' [-]."""
+GAP = 0.05
+"""Least distance between the soles, likewise [-]."""
+CARRIES = 0.95
+"""Share of its effort limit that a joint may need to stand [-]."""
+MARGIN = 0.01
+"""Distance of the pose from the end stops [rad]."""
+LEG_GAINS = {
+    "hip": 1.5,
+    "hip pitch": 2.7,
+    "knee": 2.7,
+    "ankle": 1.5,
+    "ankle pitch": 2.0,
+}
+LIMB_GAINS = {"back": 1.3, "neck": 0.05, "arm": 0.3, "hand": 0.02}
+"""Default position gains, in weights times heights of the center of mass [1/rad]."""
+DAMPING = 0.02
+"""Default derivative gain per position gain and root of the height [s/√m]."""
+SLOWEST_TICK = 0.009
+"""Control period with which a derivative gain must be stable [s]."""
+
+
+def parsed(urdf: Path) -> Any:
+    """Returns a finalized plant of a URDF."""
+    plant: Any = MultibodyPlant(time_step=0.0)
+    try:
+        parse(plant, urdf)
+    except RuntimeError as error:
+        raise ImportRefused(f"Drake does not read the URDF: {error}") from None
+    plant.Finalize()
+    return plant
+
+
+def find_stand_prep(file: RobotFile, plant: Any, findings: Findings) -> RobotFile:
+    """Returns the file with the stand-prep pose and gains of its joints.
+
+    ``file`` has its joints at zero.
+    """
+    try:
+        legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
+    except RobotDescriptionError as error:
+        raise ImportRefused(error.problem) from None
+    joints = [plant.GetJointByName(joint.name) for joint in file.joints]
+    lower = np.array([joint.position_lower_limit() for joint in joints])
+    upper = np.array([joint.position_upper_limit() for joint in joints])
+    nominal = np.clip(0.0, lower + MARGIN, np.maximum(upper - MARGIN, lower + MARGIN))
+    for leg in legs:
+        _bend(leg, file, lower, upper, nominal)
+    angles = _solve(plant, file, legs, joints, nominal, lower, upper)
+    context = plant.CreateDefaultContext()
+    for joint, angle in zip(joints, angles, strict=True):
+        joint.set_angle(context, angle)
+    _check_efforts(plant, context, file, joints, legs)
+    height = _com_height(plant, context, file)
+    gains = _gains(plant, context, file, joints, legs, height)
+    findings.add(
+        FOUND,
+        f"{plant.CalcTotalMass(context):.1f} kg, center of mass {height:.3f} m high, "
+        f"{len(joints)} joints",
+    )
+    return replace(
+        file,
+        joints=[
+            replace(joint, stand_prep=round(float(angle), 5), kp=kp, kd=kd)
+            for joint, angle, (kp, kd) in zip(file.joints, angles, gains, strict=True)
+        ],
+    )
+
+
+def _bend(
+    leg: Leg,
+    file: RobotFile,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    nominal: np.ndarray,
+) -> None:
+    """Bends a leg of the nominal pose; refuses a knee that cannot."""
+    knee, name = leg.knee, file.joints[leg.knee].name
+    low, high = float(lower[knee]), float(upper[knee])
+    most = max(leg.flexion(low), leg.flexion(high))
+    flexion = min(FLEXION, most - MARGIN)
+    if flexion < LEAST_FLEXION:
+        raise ImportRefused(
+            f"joint {name}: goes from {low:.3g} to {high:.3g} rad, and the stand-prep "
+            f"pose needs {leg.knee_at(FLEXION):.2g}: shuffled limits, or not the knee?"
+        )
+    nominal[knee] = leg.knee_at(flexion)
+    for joint in (leg.hip_pitch, leg.ankle_pitch):
+        places = [int(place) for place in leg.joints]
+        sign = math.copysign(1.0, float(leg.axes[places.index(joint), 1]))
+        wanted = -0.5 * flexion * sign
+        if not lower[joint] - 0.2 <= wanted <= upper[joint] + 0.2:
+            raise ImportRefused(
+                f"joint {file.joints[joint].name}: goes from {lower[joint]:.3g} to "
+                f"{upper[joint]:.3g} rad, and the stand-prep pose needs about "
+                f"{wanted:.2g}: shuffled limits?"
+            )
+        nominal[joint] = min(max(wanted, lower[joint]), upper[joint])
+
+
+def _solve(
+    plant: Any,
+    file: RobotFile,
+    legs: tuple[Leg, Leg],
+    joints: list[Any],
+    nominal: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+) -> np.ndarray:
+    """Solves for flat soles side by side below the center of mass."""
+    context = plant.CreateDefaultContext()
+    for joint, angle in zip(joints, nominal, strict=True):
+        joint.set_angle(context, angle)
+    height = _com_height(plant, context, file)
+    hips = float(legs[0].p_PT[1] - legs[1].p_PT[1])
+    width = max(min(hips, STANCE_SHARE * height), file.sole.width + GAP * height)
+    ik = InverseKinematics(plant)
+    q, program = ik.q(), ik.prog()
+    level, world = RotationMatrix(), plant.world_frame()
+    pelvis = plant.GetFrameByName(file.pelvis)
+    ik.AddOrientationConstraint(world, level, pelvis, level, 0.0)
+    for foot, side in zip(file.feet, (0.5, -0.5), strict=True):
+        sole = plant.GetFrameByName(foot.sole_frame)
+        place = np.array([0.0, side * width, 0.0])
+        ik.AddPositionConstraint(sole, np.zeros(3), world, place, place)
+        ik.AddOrientationConstraint(world, level, sole, level, 0.0)
+    com = program.NewContinuousVariables(3, "com")
+    far = np.array([0.0, 0.0, math.inf])
+    program.AddBoundingBoxConstraint(-far, far, com)
+    constraint = ComPositionConstraint(plant, None, world, ik.context())
+    program.AddConstraint(constraint, np.concatenate([q, com]))
+    in_legs = {int(place) for leg in legs for place in leg.joints}
+    for index, joint in enumerate(joints):
+        variable = q[joint.position_start()]
+        low, high = lower[index] + MARGIN, upper[index] - MARGIN
+        if index not in in_legs:
+            low = high = nominal[index]
+        program.AddBoundingBoxConstraint(low, high, variable)
+        program.AddQuadraticCost((variable - nominal[index]) ** 2, is_convex=True)
+    start = plant.GetPositions(context)
+    sole = plant.GetFrameByName(file.feet[0].sole_frame).CalcPoseInWorld(context)
+    start[4:7] = 0.0, 0.0, -float(sole.translation()[2])
+    program.SetInitialGuess(q, start)
+    program.SetInitialGuess(com, np.array([0.0, 0.0, height]))
+    result = Solve(program)
+    found = result.GetSolution(q)
+    if not result.is_success():
+        plant.SetPositions(context, found)
+        stops = [
+            f"{file.joints[k].name} ({lower[k]:.3g} to {upper[k]:.3g} rad)"
+            for k in sorted(in_legs)
+            if min(
+                found[joints[k].position_start()] - lower[k],
+                upper[k] - found[joints[k].position_start()],
+            )
+            < 2.0 * MARGIN
+        ]
+        at = f"; at their stops are {', '.join(stops)}" if stops else ""
+        raise ImportRefused(
+            f"no pose has flat soles {width:.2f} m apart below the center of mass{at}"
+        )
+    return np.array([found[joint.position_start()] for joint in joints])
+
+
+def _com_height(plant: Any, context: Any, file: RobotFile) -> float:
+    soles = [
+        plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context).translation()[2]
+        for foot in file.feet
+    ]
+    com = plant.CalcCenterOfMassPositionInWorld(context)
+    return float(com[2] - np.mean(soles))
+
+
+def _check_efforts(
+    plant: Any, context: Any, file: RobotFile, joints: list[Any], legs: tuple[Leg, Leg]
+) -> None:
+    """Refuses a robot whose legs cannot carry it in its pose."""
+    load = np.array([0.0, 0.0, 0.5 * GRAVITY * plant.CalcTotalMass(context)])
+    torque = -plant.CalcGravityGeneralizedForces(context)
+    for foot in file.feet:
+        J = _jacobian(plant, context, plant.GetFrameByName(foot.sole_frame))
+        torque = torque - J.T @ load
+    for place in np.concatenate([leg.joints for leg in legs]):
+        joint = joints[place]
+        has = plant.GetJointActuatorByName(joint.name()).effort_limit()
+        needed = abs(float(torque[joint.velocity_start()]))
+        if needed > CARRIES * has:
+            raise ImportRefused(
+                f"joint {joint.name()}: has {has:.3g} N·m, and standing on both feet "
+                f"needs {needed:.3g}: shuffled efforts?"
+            )
+
+
+def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:
+    world = plant.world_frame()
+    J: np.ndarray = plant.CalcJacobianTranslationalVelocity(
+        context, JacobianWrtVariable.kV, frame, np.zeros(3), world, world
+    )
+    return J
+
+
+def _gains(
+    plant: Any,
+    context: Any,
+    file: RobotFile,
+    joints: list[Any],
+    legs: tuple[Leg, Leg],
+    height: float,
+) -> list[tuple[float, float]]:
+    """Returns default kp and kd of each joint.
+
+    They hold the stand-prep pose; a light link has no more than a slow tick bears.
+    """
+    scale = GRAVITY * plant.CalcTotalMass(context) * height
+    inertia = plant.CalcMassMatrix(context)
+    per_kp = DAMPING * math.sqrt(height)
+    roles: dict[int, str] = {}
+    for leg in legs:
+        roles |= dict.fromkeys(leg.joints[:3].tolist(), "hip")
+        roles |= dict.fromkeys(leg.joints[4:].tolist(), "ankle")
+        roles |= {
+            leg.hip_pitch: "hip pitch",
+            leg.knee: "knee",
+            leg.ankle_pitch: "ankle pitch",
+        }
+    gains = []
+    for place, (entry, joint) in enumerate(zip(file.joints, joints, strict=True)):
+        at = joint.velocity_start()
+        if place in roles:
+            kp = LEG_GAINS[roles[place]] * scale
+        else:
+            kind = entry.limb.removeprefix("l_").removeprefix("r_")
+            most = 0.5 * float(inertia[at, at]) / SLOWEST_TICK / per_kp
+            kp = min(LIMB_GAINS[kind] * scale, most)
+        gains.append((kp, per_kp * kp))
+    return gains

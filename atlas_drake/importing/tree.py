@@ -1,0 +1,159 @@
+"""The tree of links and joints of a URDF, and its poses.
+
+Reading and writing are yourdfpy's; which joints move is decided here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import lxml.etree as etree
+import numpy as np
+import yourdfpy.urdf as urdf
+from pydrake.common.eigen_geometry import AngleAxis
+from pydrake.math import RigidTransform
+
+from atlas_drake.importing.findings import ImportRefused
+
+MOVING = ("revolute", "continuous")
+
+
+class Tree:
+    """Links and joints by name; changed by the repairs."""
+
+    def __init__(self, file: Path) -> None:
+        """Reads a file."""
+        try:
+            # yourdfpy reads on past faults of the XML.
+            tag = etree.parse(str(file)).getroot().tag
+            if tag != "robot":
+                raise ValueError(f"its outermost element is <{tag}>, not <robot>")
+            self.urdf = urdf.URDF.load(
+                str(file),
+                build_scene_graph=False,
+                load_meshes=False,
+                load_collision_meshes=False,
+            )
+        except Exception as error:  # lxml and yourdfpy raise several kinds.
+            said = " ".join(str(error).split()) or type(error).__name__
+            raise ImportRefused(f"{file}: is no URDF: {said}") from None
+        robot = self.urdf.robot
+        self.name: str = robot.name or file.stem
+        self.links: dict[str, Any] = {link.name: link for link in robot.links}
+        self.joints: dict[str, Any] = {joint.name: joint for joint in robot.joints}
+        self._check()
+
+    def _check(self) -> None:
+        above: dict[str, str] = {}
+        for joint in self.joints.values():
+            for end in (joint.parent, joint.child):
+                if end not in self.links:
+                    raise ImportRefused(f"joint {joint.name}: there is no link {end}")
+            if joint.child in above:
+                both = f"{above[joint.child]} and {joint.name}"
+                raise ImportRefused(f"link {joint.child}: hangs on two joints, {both}")
+            above[joint.child] = joint.name
+            if joint.origin is None:
+                joint.origin = np.eye(4)
+            if joint.axis is None:
+                joint.axis = np.array([1.0, 0.0, 0.0])
+            if joint.type in MOVING:
+                length = float(np.linalg.norm(joint.axis))
+                if not length > 1e-6:
+                    raise ImportRefused(f"joint {joint.name}: its axis is {joint.axis}")
+                joint.axis = np.asarray(joint.axis, dtype=float) / length
+        roots = [name for name in self.links if name not in above]
+        if len(roots) != 1:
+            named = ", ".join(roots) or "none"
+            raise ImportRefused(f"the tree must have one root link, and has {named}")
+
+    @property
+    def root(self) -> str:
+        """The link on no joint."""
+        below = {joint.child for joint in self.joints.values()}
+        return next(name for name in self.links if name not in below)
+
+    def joint_above(self, link: str) -> Any:
+        """Returns the joint that a link hangs on; None for the root."""
+        return self._above.get(link)
+
+    def below(self, link: str) -> list[Any]:
+        """Returns the joints that hang on a link."""
+        return self._below.get(link, [])
+
+    def index(self) -> None:
+        """Notes the tree anew, after a change."""
+        self._above = {joint.child: joint for joint in self.joints.values()}
+        self._below: dict[str, list[Any]] = {}
+        for joint in self.joints.values():
+            self._below.setdefault(joint.parent, []).append(joint)
+
+    def all_below(self, link: str) -> Iterator[str]:
+        """Yields a link and all that hang on it."""
+        yield link
+        for joint in self.below(link):
+            yield from self.all_below(joint.child)
+
+    def moves(self, joint: Any) -> bool:
+        """Returns True for a joint that turns by its own motor."""
+        return joint.type in MOVING and joint.mimic is None
+
+    def body_of(self, link: str) -> str:
+        """Returns the topmost link that ``link`` is fixed to."""
+        joint = self.joint_above(link)
+        if joint is None or self.moves(joint):
+            return link
+        return self.body_of(joint.parent)
+
+    def parts_of(self, link: str) -> list[str]:
+        """Returns a link and all links below that are fixed to it."""
+        fixed = [joint.child for joint in self.below(link) if not self.moves(joint)]
+        return [link, *(part for child in fixed for part in self.parts_of(child))]
+
+    def chain(self, link: str) -> list[Any]:
+        """Returns the moving joints from the root to a link."""
+        joint = self.joint_above(link)
+        if joint is None:
+            return []
+        return self.chain(joint.parent) + ([joint] if self.moves(joint) else [])
+
+    def moving_below(self, link: str) -> list[Any]:
+        """Returns the moving joints next below a link, past fixed ones."""
+        found = []
+        for joint in self.below(link):
+            found += [joint] if self.moves(joint) else self.moving_below(joint.child)
+        return found
+
+    def poses(self, angles: Mapping[str, float] | None = None) -> dict[str, np.ndarray]:
+        """Computes the pose of each link in the root's frame, shape (4, 4).
+
+        Joints that ``angles`` [rad] do not name are at zero.
+        """
+        found = {self.root: np.eye(4)}
+        pending = [self.root]
+        while pending:
+            link = pending.pop()
+            for joint in self.below(link):
+                X = found[link] @ joint.origin
+                angle = (angles or {}).get(joint.name, 0.0)
+                if angle and joint.type in MOVING:
+                    turn = AngleAxis(angle, joint.axis)
+                    X = X @ RigidTransform(turn, [0.0, 0.0, 0.0]).GetAsMatrix4()
+                found[joint.child] = X
+                pending.append(joint.child)
+        return found
+
+    def limits(self, joint: Any) -> tuple[float, float]:
+        """Returns the least and the greatest position of a joint [rad]."""
+        if joint.type == "continuous" or joint.limit is None:
+            return -math.pi, math.pi
+        lower, upper = joint.limit.lower, joint.limit.upper
+        return float(lower or 0.0), float(upper or 0.0)
+
+    def mass_of(self, links: list[str]) -> float:
+        """Returns the mass of links [kg]."""
+        inertials = [self.links[name].inertial for name in links]
+        return sum(float(one.mass or 0.0) for one in inertials if one is not None)

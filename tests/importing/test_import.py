@@ -1,0 +1,241 @@
+"""``atlas-drake import``: limbs found, files repaired, files refused."""
+
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from atlas_drake.app.main import main
+from atlas_drake.control.feet.leg_kinematics import leg_solver
+from atlas_drake.importing.findings import Findings, ImportRefused
+from atlas_drake.importing.importer import import_robot
+from atlas_drake.importing.options import ImportOptions
+from atlas_drake.importing.source import find_source, resolve
+from atlas_drake.robot import load_robot
+
+HERON = Path(__file__).parents[1] / "robots" / "heron" / "heron.urdf"
+PLAIN = re.sub(
+    r"<transmission.*?</transmission>|<frame .*?/>", "", HERON.read_text(), flags=re.S
+)
+"""Heron as somebody might publish it: no motors, no frames of the soles."""
+
+
+@pytest.fixture
+def imported(tmp_path):
+    """Imports Heron's URDF with some words replaced; gives robot and findings."""
+
+    def make(*replacements, options=None):
+        text = PLAIN
+        for old, new in replacements:
+            assert re.search(old, text, flags=re.S), old
+            text = re.sub(old, new, text, flags=re.S)
+        source = tmp_path / "published.urdf"
+        source.write_text(text)
+        findings = Findings(lambda line: None)
+        folder = tmp_path / "made"
+        robot = import_robot(source, folder, options or ImportOptions(), findings)
+        return robot, findings
+
+    return make
+
+
+def limits(joint, text):
+    return rf'(<joint name="{joint}".*?<limit )[^/]*/>', rf"\g<1>{text} />"
+
+
+def test_heron_is_found_without_a_word_of_help(imported):
+    robot, findings = imported()
+    heron = load_robot(HERON.with_suffix(".yaml"))
+    assert robot.name == "made"
+    assert robot.mass == pytest.approx(heron.mass)
+    limbs = {joint.name: joint.limb for joint in robot.file.joints}
+    assert limbs == {joint.name: joint.limb for joint in heron.file.joints}
+    assert robot.file.pelvis == "hips"
+    assert [foot.body for foot in robot.file.feet] == ["left_foot", "right_foot"]
+    assert robot.file.sole.length == pytest.approx(heron.file.sole.length, abs=0.025)
+    assert robot.file.sole.width == pytest.approx(heron.file.sole.width, abs=0.025)
+    # The pose has level soles below the center of mass, with bent knees.
+    assert [leg.flexion(robot.stand_prep[leg.knee]) for leg in robot.legs] == (
+        pytest.approx([0.7, 0.7], abs=0.1)
+    )
+    assert findings.of("repaired") == []
+    text = robot.path.read_text()
+    assert text.startswith("# Imported from published.urdf")
+    assert (robot.default_kp > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("replacement", "words"),
+    [
+        (limits("left_knee", 'lower="-0.1" upper="0.1" effort="90" velocity="9"'),
+         r"left_knee: goes from -0.1 to 0.1 rad.*needs 0.7: shuffled limits"),
+        (limits("left_ankle_pitch", 'lower="0.2" upper="2" effort="90" velocity="9"'),
+         r"left_ankle_pitch: goes from 0.2 to 2 rad.*needs about -0.35"),
+        (limits("right_knee", 'lower="0" upper="2" effort="4" velocity="9"'),
+         r"right_knee: has 4 N·m, and standing on both feet needs"),
+        (limits("waist_yaw", 'lower="1" upper="-1" effort="4" velocity="9"'),
+         r"waist_yaw: goes from 1 to -1 rad, backward"),
+        ((r'(<joint name="left_ankle_roll" type=")revolute', r"\g<1>fixed"),
+         r"left leg has 5 moving joints \(left_hip_yaw, .*\); must have 6"),
+        ((r'_(hip|knee|ankle)(\w*)" type="revolute"', r'_\1\2" type="fixed"'),
+         "there are no two legs"),
+        ((r'<mass value="[\d.]+"', '<mass value="-2"'), r"link \w+: its mass is -2 kg"),
+        ((r'<child link="left_shank" />', '<child link="nowhere" />'),
+         r"joint left_knee: there is no link nowhere"),
+        ((r"</robot>", '<link name="stray"/></robot>'),
+         "one root link, and has hips, stray"),
+        ((r"<robot ", "<robots "), "is no URDF"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_become_a_robot_is_refused(imported, replacement, words):
+    with pytest.raises(ImportRefused, match=words):
+        imported(replacement)
+
+
+SHAPELESS = (
+    r'(<link name="(?:left|right)_foot">.*?)<(?:visual|collision).*?(?=</link>)',
+    r"\1",
+)
+
+
+def test_feet_without_shapes_need_a_word(imported):
+    with pytest.raises(ImportRefused, match=r"left_foot: has no shape.*--sole"):
+        imported(SHAPELESS)
+    told = ImportOptions(sole=(0.2, 0.1, 0.07, 0.03))
+    robot, _ = imported(SHAPELESS, options=told)
+    assert robot.file.sole.length == 0.2
+
+
+def test_what_cannot_be_is_repaired_and_said(imported):
+    robot, findings = imported(
+        (r'(<link name="trunk">.*?<inertia )[^/]*/>',
+         r'\g<1>ixx="9" ixy="0" ixz="0" iyy="1" iyz="0" izz="1" />'),
+        (r'(<joint name="right_shoulder" )type="revolute"', r'\1type="prismatic"'),
+        limits("waist_yaw", 'lower="-1" upper="1" effort="0" velocity="0"'),
+        (r"</robot>", '<link name="world"/><joint name="free" type="floating">'
+         '<parent link="world"/><child link="hips"/></joint></robot>'),
+    )  # fmt: skip
+    said = "\n".join(findings.of("repaired") + findings.of("guessed"))
+    for words in (
+        "inertia that no body has, that of its shape taken: trunk",
+        "fixed as prismatic is not simulated: right_shoulder",
+        "effort limit 127 N·m, where the file has none: waist_yaw",
+        "velocity limit 10 rad/s, where the file has none: waist_yaw",
+        "link world and joint free are no parts",
+    ):
+        assert words in said
+    assert "right_shoulder" not in robot.joint_names
+    # What was repaired is in the file, for people who open it.
+    assert "trunk" in robot.path.read_text().split("urdf:")[0]
+
+
+def test_a_robot_that_faces_backward_is_turned(imported):
+    ahead, _ = imported()
+    # A half turn about z of all that hangs on the hips.
+    turned = re.compile(r'(<parent link="hips" />.*?<origin xyz=")([^"]*)"', re.S)
+
+    def half_turn(match):
+        x, y, z = map(float, match[2].split())
+        return f'{match[1]}{-x} {-y} {z}" rpy="0 0 3.141592653589793"'
+
+    text = turned.sub(half_turn, PLAIN)
+    source = ahead.path.parent / "backward.urdf"
+    source.write_text(text)
+    findings = Findings(lambda line: None)
+    back = import_robot(source, source.parent / "back", ImportOptions(), findings)
+    assert any("180° from x" in text for text in findings.of("repaired"))
+    for mine, its in zip(ahead.legs, back.legs, strict=True):
+        np.testing.assert_allclose(mine.p_PT, its.p_PT, atol=1e-9)
+    np.testing.assert_allclose(ahead.stand_prep, back.stand_prep, atol=1e-3)
+
+
+def test_the_soles_are_where_the_feet_reach(imported):
+    robot, _ = imported()
+    for leg in robot.legs:
+        sole = leg.sole
+        assert leg_solver(leg)(sole[:3, 3] + [0, 0, 0.1], sole[:3, :3], None)
+
+
+def test_fingers_are_fixed_or_a_limb(imported):
+    fingers = "".join(
+        f'<link name="f{k}"><inertial><mass value="0.02"/><inertia ixx="1e-5" '
+        'ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>'
+        f'<joint name="finger{k}" type="revolute"><parent link="left_arm"/><child '
+        f'link="f{k}"/><origin xyz="0 0 {-0.4 - 0.02 * k}"/><axis xyz="0 1 0"/><limit '
+        'lower="0" upper="1" effort="1" velocity="5"/></joint>'
+        for k in (1, 2)
+    )
+    hand = (r"</robot>", f"{fingers}</robot>")
+    robot, findings = imported(hand)
+    assert "finger1, finger2" in "\n".join(findings.of("repaired"))
+    assert "finger1" not in robot.joint_names
+    robot, _ = imported(hand, options=ImportOptions(fingers=True))
+    assert robot.limb("l_hand").sum() == 2
+
+
+def test_packages_are_found_by_name_manifest_and_option(tmp_path):
+    urdf = tmp_path / "bot_description" / "urdf" / "bot.urdf"
+    mesh = tmp_path / "bot_description" / "meshes" / "a.stl"
+    other = tmp_path / "elsewhere" / "b.stl"
+    for path in (urdf, mesh, other):
+        path.parent.mkdir(parents=True)
+        path.write_text("")
+    assert resolve("package://bot_description/meshes/a.stl", urdf, {}) == mesh
+    assert resolve("../meshes/a.stl", urdf, {}).resolve() == mesh
+    with pytest.raises(FileNotFoundError, match="--package arms=FOLDER"):
+        resolve("package://arms/b.stl", urdf, {})
+    assert resolve("package://arms/b.stl", urdf, {"arms": other.parent}) == other
+    (tmp_path / "bot_description" / "package.xml").write_text(
+        "<package><name>renamed</name></package>"
+    )
+    assert resolve("package://renamed/meshes/a.stl", urdf, {}) == mesh
+
+
+def test_the_command_writes_robots_and_says_what_is_wrong(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    source = tmp_path / "published.urdf"
+    source.write_text(PLAIN)
+    assert main(["import", str(source), "--no-trial", "--name", "my bird"]) == 0
+    assert load_robot(tmp_path / "my_bird" / "robot.yaml").name == "my_bird"
+    assert "left leg left_hip_yaw" in capsys.readouterr().out
+    assert main(["import", "nobody"]) == 2
+    assert "nobody: there is no such file" in capsys.readouterr().err
+    assert main(["import", "nobody.sdf"]) == 2
+    assert "no such .urdf file" in capsys.readouterr().err
+    (tmp_path / "world.sdf").write_text("<sdf/>")
+    assert main(["import", "world.sdf"]) == 2
+    assert "only URDF is read" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_trial_reports_what_the_robot_does(tmp_path, capsys):
+    source = tmp_path / "published.urdf"
+    source.write_text(PLAIN)
+    made = tmp_path / "made"
+    assert main(["import", str(source), "--out", str(made)]) == 0
+    page = (made / "report.md").read_text()
+    assert "| stands | yes |" in page
+    assert re.search(r"walks, steps of .* \| yes, feet within \d mm", page)
+    assert (made / "report.png").stat().st_size > 20_000
+    assert "pushes while it stands: forward" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec("jvrc_description"), reason="needs jvrc-description")
+def test_jvrc_walks(tmp_path):
+    assert main(["import", "jvrc", "--out", str(tmp_path / "jvrc"), "--no-trial"]) == 0
+    robot = load_robot(tmp_path / "jvrc" / "robot.yaml")
+    assert robot.num_joints == 32
+    # Its ankles roll first.
+    assert robot.legs[0].planar is None
+    from atlas_drake.importing.trial import try_robot
+
+    trial = try_robot(robot.path, tmp_path / "log.mcap", 0.0, lambda text: None)
+    assert trial.walks
+    assert trial.pushed
+    assert trial.landing < 0.01
+    assert find_source("jvrc").name == "jvrc1.urdf"
