@@ -381,7 +381,8 @@ class Balance:
         """Computes the region of the CoP for a foot on its toes, from its flat pose."""
         contact, sole = self.gains.contact, self.robot.file.sole
         half_width = sole.width / 2 - contact.width_margin
-        return SupportPolygon(toe_corners(toeing, sole.length / 2, half_width))
+        half_length, toes = sole.length / 2, contact.toes
+        return SupportPolygon(toe_corners(toeing, half_length, half_width, toes))
 
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
         """Computes the region of the CoP with one foot flat, the other on its toes."""

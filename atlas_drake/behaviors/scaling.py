@@ -28,9 +28,15 @@ _T = TypeVar("_T")
 ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
 """The robot whose values the defaults are; it stands narrower than in its pose."""
 
-ALONG_SOLE = ("length_margin", "cop_forward", "tolerated_forward")
+ALONG_SOLE = ("length_margin", "toes", "cop_forward", "tolerated_forward")
 """Parameters that scale with the length of the soles."""
-ACROSS_SOLE = ("width_margin", "cop_sideways", "tolerated_sideways", "cop_inward")
+ACROSS_SOLE = (
+    "width_margin",
+    "yaw_moment_arm",
+    "cop_sideways",
+    "tolerated_sideways",
+    "cop_inward",
+)
 """Parameters that scale with the width of the soles."""
 GAP = 0.05
 """Least distance between the soles of feet side by side, in heights of the center of

@@ -85,6 +85,11 @@ class ContactModel(Configuration):
     [m]."""
     width_margin: NotNegative = 0.010
     """Width of the strip at both sides that is closed to the center of pressure [m]."""
+    toes: Positive = 0.03
+    """Length of the strip that carries a foot on its toes, or on its heel [m]."""
+    middle: Positive = 0.01
+    """Half the side of the square that counts as the middle of a sole [m]: a point, but
+    with room for the solver's tolerance."""
     yaw_moment_arm: NotNegative = 0.05
     """Greatest moment about the normal, as a lever arm of the friction force [m]."""
     unloaded_share: Positive = 0.1

@@ -15,7 +15,7 @@ from pydrake.multibody.tree import RevoluteJoint
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.robot.file import RobotFile
 
-LEAST_COM_HEIGHT = 0.35
+LEAST_COM_HEIGHT = 0.12
 """Least height of the center of mass above the soles of a standing robot [m]: the
 balance feedback would treat a shorter pendulum as a longer one."""
 _LEVEL, _TILT = 0.01, 0.1

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.step.action import (
-    MAX_ACTION,
     SIDE_BY_SIDE,
+    ActionRules,
     demo_step,
     desired_step,
     resolve_action,
@@ -23,7 +23,7 @@ from atlas_drake.planning.demo_steps import DEMO_STEPS
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import rotation_z
 
-DEFAULT = StepAction(knee_nominal=0.72)
+DEFAULT, RULES = StepAction(knee_nominal=0.72), ActionRules()
 LEVEL = (0.0, 0.0)
 
 
@@ -31,7 +31,7 @@ def resolved(**fields):
     action = AtlasBehaviorStepAction()
     for name, value in fields.items():
         setattr(action, name, value)
-    return resolve_action(action, DEFAULT)
+    return resolve_action(action, DEFAULT, RULES)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_end_distances_count_within_five_centimetres(name):
     for value in (0.051, -0.06, 0.1):
         assert getattr(resolved(**{name: value}), name) == getattr(DEFAULT, name)
     # The sole has not room for all of that.
-    largest = getattr(MAX_ACTION, name)
+    largest = getattr(RULES.most, name)
     assert getattr(resolved(**{name: 0.05}), name) == largest
     assert getattr(resolved(**{name: -0.05}), name) == -largest
 
@@ -88,12 +88,12 @@ def params(use_spec=True, **fields):
 
 
 def test_without_a_step_there_is_none():
-    assert desired_step(AtlasBehaviorStepParams(), LEVEL, DEFAULT) is None
+    assert desired_step(AtlasBehaviorStepParams(), LEVEL, DEFAULT, RULES) is None
     # The form that is not in use does not count.
-    assert desired_step(params(use_spec=False), LEVEL, DEFAULT) is not None
+    assert desired_step(params(use_spec=False), LEVEL, DEFAULT, RULES) is not None
     message = params(use_spec=False)
     message.use_spec = True
-    assert desired_step(message, LEVEL, DEFAULT) is None
+    assert desired_step(message, LEVEL, DEFAULT, RULES) is None
 
 
 def test_the_full_form():
@@ -103,7 +103,7 @@ def test_the_full_form():
     spec.foot.yaw = 0.4
     spec.foot.normal = Vector3(0.0, 1.2, 1.6)
     spec.action.lift_height = 0.15
-    desired = desired_step(message, LEVEL, DEFAULT)
+    desired = desired_step(message, LEVEL, DEFAULT, RULES)
     assert (desired.index, desired.foot, desired.yaw) == (4, 1, 0.4)
     np.testing.assert_allclose(desired.p_WF, [0.3, -0.1, 0.2])
     np.testing.assert_allclose(desired.normal, [0.0, 0.6, 0.8])
@@ -127,7 +127,7 @@ def test_height_may_be_relative_to_the_stance_foot(use_spec):
         message.desired_step.pose.position.z = z
         message.desired_step.duration = 1.0
     # The right foot steps, so that the left one, at 0.3 m, counts.
-    desired = desired_step(message, (0.3, -0.7), DEFAULT)
+    desired = desired_step(message, (0.3, -0.7), DEFAULT, RULES)
     assert desired.p_WF[2] == pytest.approx(0.4)
 
 
@@ -138,7 +138,7 @@ def test_the_plain_form_counts_its_apex_from_between_the_footholds():
     step.pose.position.z = 0.1
     step.pose.orientation.y = math.sin(0.05)
     step.pose.orientation.w = math.cos(0.05)
-    desired = desired_step(message, LEVEL, DEFAULT)
+    desired = desired_step(message, LEVEL, DEFAULT, RULES)
     assert desired.action.step_duration == 1.2
     apex = 0.1 + desired.action.lift_height + desired.action.swing_height
     assert apex == pytest.approx(0.05 + 0.3)
@@ -147,7 +147,7 @@ def test_the_plain_form_counts_its_apex_from_between_the_footholds():
         desired.normal, [math.sin(0.1), 0.0, math.cos(0.1)], atol=1e-12
     )
     step.swing_height = 0.01
-    low = desired_step(message, LEVEL, DEFAULT)
+    low = desired_step(message, LEVEL, DEFAULT, RULES)
     assert low.action.swing_height == DEFAULT.swing_height
 
 
@@ -163,17 +163,18 @@ def stance(ahead, yaw=0.0):
 @pytest.mark.parametrize(
     ("ahead", "foot"),
     [
-        (-0.2, 1),
+        (-1.0, 1),
         (-1.05 * SIDE_BY_SIDE, 1),
         (-0.95 * SIDE_BY_SIDE, 0),
         (0.0, 0),
         (1.05 * SIDE_BY_SIDE, 0),
-        (0.2, 0),
+        (1.0, 0),
     ],
 )
 def test_a_demonstration_steps_with_the_foot_that_is_behind(ahead, yaw, foot):
-    feet = stance(ahead, yaw)
-    desired = demo_step(feet, 3, DEFAULT, Gait())
+    gait = Gait()
+    feet = stance(ahead * gait.stride, yaw)
+    desired = demo_step(feet, 3, DEFAULT, gait)
     assert (desired.index, desired.foot) == (3, foot)
     assert desired.duration == DEFAULT.step_duration
     apex = DEFAULT.lift_height + DEFAULT.swing_height
@@ -196,6 +197,6 @@ def test_the_plain_form_counts_a_relative_height_from_the_stance_foot(foot):
     # The foot comes from 0.2 m, and goes to 0.06 m.
     feet_z = (0.2, 0.05) if foot == 0 else (0.05, 0.2)
     step.pose.position.z = 0.01
-    action = desired_step(message, feet_z, DEFAULT).action
+    action = desired_step(message, feet_z, DEFAULT, RULES).action
     rise = action.lift_height + action.swing_height
     assert rise == pytest.approx(0.3 - 0.5 * (0.2 - 0.06))

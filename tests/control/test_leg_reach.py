@@ -56,10 +56,12 @@ def test_the_lowest_body_is_where_the_knee_reaches_its_lever(model, standing):
     hips = hips_from_com(standing, legs)
     pose = feet(standing)[0]
     com = pose.p_WF[:2]
-    heights = [lowest_com(legs, hips, com, 0, pose, lever) for lever in (0.10, 0.15)]
+    heights = [
+        lowest_com(legs, hips, com, 0, pose, lever, 0.4) for lever in (0.10, 0.15)
+    ]
     assert heights[1] < heights[0] - 0.01
     # With the weight farther ahead the same knee may bend more.
-    ahead = lowest_com(legs, hips, com + np.array([0.04, 0.0]), 0, pose, 0.10)
+    ahead = lowest_com(legs, hips, com + np.array([0.04, 0.0]), 0, pose, 0.10, 0.4)
     assert ahead < heights[0]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.feet.foot_roll import FootRoll, falling, rising
-from atlas_drake.control.feet.sole import TOES, toe_corners
+from atlas_drake.control.feet.sole import toe_corners
 from atlas_drake.control.feet.sole_motion import (
     Pitch,
     SoleMotion,
@@ -113,7 +113,9 @@ def test_on_stairs_the_lower_sole_is_on_its_toes():
 
 
 def test_the_strip_that_carries_lies_at_the_front():
-    corners = (toe_corners(FLAT, HALF_LENGTH, HALF_WIDTH) - FLAT.p_WF) @ FLAT.R_WF
+    toes = 0.03
+    corners = toe_corners(FLAT, HALF_LENGTH, HALF_WIDTH, toes) - FLAT.p_WF
+    corners = corners @ FLAT.R_WF
     assert corners[:, 0].max() == pytest.approx(HALF_LENGTH)
-    assert corners[:, 0].min() == pytest.approx(HALF_LENGTH - TOES)
+    assert corners[:, 0].min() == pytest.approx(HALF_LENGTH - toes)
     assert np.ptp(corners[:, 1]) == pytest.approx(2.0 * HALF_WIDTH)

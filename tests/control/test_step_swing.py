@@ -5,7 +5,6 @@ import pytest
 
 from atlas_drake.control.feet.step_swing import (
     PEAK_SPEED,
-    TURN_RADIUS,
     StepSwingProfile,
     plan_step_swing,
 )
@@ -126,5 +125,5 @@ def test_a_late_foot_descends_to_a_bound(swing):
 
 def test_the_time_across_is_that_of_the_horizontal_way_with_turn_and_rise():
     swing = plan(dz=0.15, speed=0.2, normal=np.array([0.0, 0.0, 1.0]))
-    across = np.linalg.norm([0.3, 0.05, TURN_RADIUS * 0.5, 2.0 * RISE])
+    across = np.linalg.norm([0.3, 0.05, PROFILE.turn_radius * 0.5, 2.0 * RISE])
     assert swing.move == pytest.approx(PEAK_SPEED * across / 0.2)

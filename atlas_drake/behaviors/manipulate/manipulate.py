@@ -14,7 +14,11 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
+from atlas_drake.behaviors.manipulate.pelvis_demo import (
+    DemoMovements,
+    demo_amplitude,
+    demo_pose,
+)
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
@@ -57,6 +61,8 @@ class ManipulateConfig(Configuration):
     arms_moved: NotNegative = 0.01
     """Clamp the requested pose again when the CoM of trunk and arms has moved this far
     in the pelvis frame, for example when the user's arms reach out [m]."""
+    demo: DemoMovements = field(default_factory=DemoMovements)
+    """Amplitudes of the demo's movements."""
     home: NotNegative = 0.002
     """Hand over to STAND when the reference is this near to STAND's pose [m], [rad]."""
 
@@ -95,7 +101,7 @@ class Manipulate(BehaviorProtocol):
         self._nominal_height = tools.nominal_height
         self._posture_rates = tools.rates
         self._config = config
-        self._rates = config.rates
+        self._rates, self._demo = config.rates, config.demo
         self._lead = config.lead
         robot = tools.robot
         self._back = robot.limb("back")
@@ -137,7 +143,7 @@ class Manipulate(BehaviorProtocol):
             state = replace(state, goal=state.motion.pose(state.stance))
         elif state.demo_time is not None:
             time = state.demo_time + observation.dt
-            goal = demo_pose(state.home, state.demo_share, time)
+            goal = demo_pose(state.home, self._demo, state.demo_share, time)
             state = replace(state, goal=goal, demo_time=time)
 
         motion = state.motion.held_near(observation.terms, self._lead)
@@ -235,7 +241,9 @@ class Manipulate(BehaviorProtocol):
                 return state
             upper = self._reach.upper_body(observation.terms, state.stance)
             share = demo_amplitude(
-                state.home, lambda pose: self._reach.allows(pose, state.stance, upper)
+                state.home,
+                self._demo,
+                lambda pose: self._reach.allows(pose, state.stance, upper),
             )
             return replace(state, demo_time=0.0, demo_share=share)
         if params.use_desired:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.step.action import ActionRules
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
 from atlas_drake.control.feet.step_swing import StepSwingProfile
@@ -75,6 +76,8 @@ class PostureRules(Configuration):
     ahead: NotNegative = 0.05
     """Largest distance of the CoM ahead of the sole's middle [m]; like the lean, it
     reduces the torque of a bent knee."""
+    squat: Positive = 0.40
+    """Range below the highest position in which the lowest is searched [m]."""
     lean_shift: NotNegative = 0.2
     """Distance of the hips behind the center of mass per lean [m/rad]."""
     smallest_share: Share = 0.3
@@ -93,5 +96,7 @@ class StepConfig(Configuration):
     """Thresholds of touchdown, lift-off and rest."""
     posture: PostureRules = field(default_factory=PostureRules)
     """Limits of the posture that unloads the standing knee and extends the reach."""
+    action: ActionRules = field(default_factory=ActionRules)
+    """Values of step actions, and which of a message count."""
     swing: StepSwingProfile = field(default_factory=StepSwingProfile)
     """Shape of the swing."""

@@ -166,7 +166,13 @@ class StepPlanner:
         """
         stance = 1 - plan.taken.foot
         return plan.height >= lowest_com(
-            self.legs, plan.hips, plan.com, stance, feet[stance], lever
+            self.legs,
+            plan.hips,
+            plan.com,
+            stance,
+            feet[stance],
+            lever,
+            self._rules.squat,
         )
 
     def shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:

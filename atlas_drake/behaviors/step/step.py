@@ -38,7 +38,6 @@ from atlas_drake.messages import NO_STEP, AtlasBehaviorStepFeedback, StepStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.messages.footstep import StepAction
 
 
 class Step(BehaviorProtocol):
@@ -52,7 +51,7 @@ class Step(BehaviorProtocol):
         self._balance = tools.balance
         self._rates = config.body
         self._rules = config.rules
-        self.tools = StepTools(tools, config, StepAction())
+        self.tools = StepTools(tools, config)
         self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
             Rest: RestControl(self.tools),
             StepShift: ShiftControl(self.tools),

@@ -59,8 +59,7 @@ class Reach:
 class StepTools:
     """Plans weight shifts and steps, and commands the feet. Holds constants only."""
 
-    def __init__(self, tools: BehaviorTools, config: StepConfig, default: StepAction):
-        """Takes the values of a step that a message leaves open from ``default``."""
+    def __init__(self, tools: BehaviorTools, config: StepConfig):
         self.balance = tools.balance
         self.rules = config.rules
         self.profile = config.swing
@@ -69,7 +68,9 @@ class StepTools:
             self.balance, self._nominal_height, config.limits, config.posture
         )
         self._gait = tools.gait
-        self._default = replace(default, knee_nominal=self.planner.nominal_knee)
+        self._action = config.action
+        usual = {**vars(config.action.usual), "knee_nominal": self.planner.nominal_knee}
+        self._default = StepAction(**usual)
 
     def omega(self, observation: Observation, feet: tuple[FootPose, ...]) -> float:
         """Computes the natural frequency of the pendulum on ``feet`` [1/s]."""
@@ -234,7 +235,7 @@ class StepTools:
             desired = demo_step(phase.feet, index, self._default, self._gait)
         else:
             feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
-            desired = desired_step(params, feet_z, self._default)
+            desired = desired_step(params, feet_z, self._default, self._action)
         if desired is None or desired.index <= progress.index:
             return None
         return desired

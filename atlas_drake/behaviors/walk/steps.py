@@ -43,10 +43,6 @@ LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 
 ROUNDING = 1e-9
 """A step that saturation moves by at most this much counts as unchanged [m], [rad]."""
-LEVEL = 0.02
-"""A step up or down by more than this leads to another level [m]."""
-EDGE = 0.02
-"""Largest distance of a step to another level from its commanded place [m]."""
 _NO_STEP = AtlasBehaviorStepData().freeze()
 
 
@@ -166,7 +162,8 @@ def obstacle_to(
         way = "up" if climb > 0.0 else "down"
         return f"step {goal.index} leads {abs(climb):.2f} m {way}, which is too much"
     # A shortened step may miss the level that it leads to.
-    if abs(change) > LEVEL and landing_error(goal, taken.pose) > EDGE:
+    away = landing_error(goal, taken.pose)
+    if abs(change) > limits.level and away > limits.astray:
         return f"step {goal.index} leads to another level and is out of reach"
     return ""
 

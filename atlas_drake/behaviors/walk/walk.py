@@ -29,7 +29,7 @@ from atlas_drake.behaviors.walk.phases import (
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.single_support import SingleSupport
-from atlas_drake.behaviors.walk.steps import LEVEL, feet_to_come, steps_asked_for
+from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorWalkFeedback
@@ -201,7 +201,7 @@ class Walk(BehaviorProtocol):
         if step is None or step.duration > self._config.rules.quick_step:
             return False
         heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
-        return max(heights) - min(heights) <= LEVEL
+        return max(heights) - min(heights) <= self._config.limits.level
 
     def _roll_share(self, phase: WalkState) -> float:
         """Returns the share of the soles' pitches in the present step, or the next."""

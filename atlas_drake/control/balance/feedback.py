@@ -17,7 +17,7 @@ from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 
-MIN_HEIGHT = 0.3
+MIN_HEIGHT = 0.1
 """Lower bound of the pendulum's height [m]. Numerical: it keeps the natural frequency
 finite for a robot that lies on the ground."""
 

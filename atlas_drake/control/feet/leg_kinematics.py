@@ -80,11 +80,9 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     )
 
 
-MAX_SQUAT = 0.40
-"""Range below the highest position in which the lowest is searched [m]. Numerical, like
-HALVINGS: the range and the resolution of a search."""
 HALVINGS = 9
-"""Halvings of that range: the result is exact to a millimetre."""
+"""Halvings of the range in which the lowest position is searched: of Atlas it is exact
+to a millimetre."""
 
 
 def leg_length(leg: Leg, knee: float) -> float:
@@ -147,13 +145,15 @@ def lowest_com(
     foot: int,
     pose: FootPose,
     lever: float,
+    squat: float,
 ) -> float:
     """Computes the least height of the CoM in W [m] that the standing knee can carry.
 
-    ``lever`` is the greatest distance of the knee ahead of the center of mass [m].
+    ``lever`` is the greatest distance of the knee ahead of the center of mass,
+    ``squat`` the range below the highest position that is searched [m].
     """
     high = highest_com(legs, hips, com, [(foot, pose)])
-    low = high - MAX_SQUAT
+    low = high - squat
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:

@@ -15,13 +15,6 @@ from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import SoleSize
 
-TOES = 0.03
-"""Length of the strip that carries a foot on its toes, or on its heel [m]: geometry,
-shared by the plan and the QP."""
-MIDDLE = 0.01
-"""Half the side of the square that counts as the middle of a sole [m]. Numerical: a
-point, but with room for the solver's tolerance."""
-
 
 def sole_corners(
     p_WF: np.ndarray, R_WF: np.ndarray, half_length: float, half_width: float
@@ -38,10 +31,15 @@ def sole_corners(
     return p_WF + corners @ R_WF.T
 
 
-def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
-    """Computes the corners of the strip that carries the toes, in W [m], (4, 3)."""
-    middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
-    return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)
+def toe_corners(
+    flat: FootPose, half_length: float, half_width: float, toes: float
+) -> np.ndarray:
+    """Computes the corners of the strip that carries the toes, in W [m], (4, 3).
+
+    ``toes`` is the length of the strip [m].
+    """
+    middle = flat.p_WF + (half_length - 0.5 * toes) * flat.R_WF[:, 0]
+    return sole_corners(middle, flat.R_WF, 0.5 * toes, half_width)
 
 
 @dataclass(frozen=True)
@@ -65,9 +63,10 @@ def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
     tip = sole.length / 2
     half_length = tip - contact.length_margin
     half_width = sole.width / 2 - contact.width_margin
+    toes, middle = contact.toes, contact.middle
     return SolePatches(
         whole=patch((-half_length, half_length), half_width),
-        middle=patch((-MIDDLE, MIDDLE), MIDDLE),
-        toes=patch((tip - TOES, tip), half_width),
-        heel=patch((-tip, TOES - tip), half_width),
+        middle=patch((-middle, middle), middle),
+        toes=patch((tip - toes, tip), half_width),
+        heel=patch((-tip, toes - tip), half_width),
     )

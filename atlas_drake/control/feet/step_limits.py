@@ -53,6 +53,10 @@ class StepLimits(Configuration):
     """Shortest duration of the largest step up or down [s]: a knee that has less time
     to raise the body would need more than its torque. It grows from that of
     ``easy_rise``."""
+    level: NotNegative = 0.02
+    """Largest step up or down that stays on its level [m]."""
+    astray: NotNegative = 0.02
+    """Largest distance of a step to another level from its commanded place [m]."""
     meant_rise: NotNegative = 0.40
     """Heights farther than this from the stance foot are treated as not given [m]: on
     level ground a step may have the height of the pelvis."""

@@ -20,9 +20,6 @@ from atlas_drake.rotations import rotation_about, rotation_vector
 PEAK_SPEED = 1.875
 """Peak speed of the quintic from rest to rest, over distance per duration: a property
 of the curve [-]."""
-TURN_RADIUS = 0.25
-"""Assumed distance that a point of a turning foot moves per angle: geometry of the
-robots' feet [m/rad]."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +35,8 @@ class StepSwingProfile(Configuration):
     deepest: NotNegative = 0.06
     """Depth below the expected ground to which the foot descends in search of it
     [m]."""
+    turn_radius: Positive = 0.25
+    """Assumed distance that a point of a turning foot moves per angle [m/rad]."""
     shortest_part: Positive = 0.15
     """Least duration of each phase: lifting, moving and lowering [s]."""
 
@@ -124,7 +123,9 @@ def plan_step_swing(
     top = max(home.p_WF[2], goal.p_WF[2], start.p_WF[2] - lift_height) + lift_height
     way = math.hypot(*(goal.p_WF - start.p_WF)[:2])
     turn = rotation_vector(home.R_WF.T @ goal.R_WF)
-    across = math.hypot(way, TURN_RADIUS * math.sqrt(turn @ turn), 2.0 * swing_height)
+    across = math.hypot(
+        way, profile.turn_radius * math.sqrt(turn @ turn), 2.0 * swing_height
+    )
     distances = (
         float(top - start.p_WF[2]),
         across,
