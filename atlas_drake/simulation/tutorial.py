@@ -6,12 +6,14 @@ them.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
 from pydrake.math import RigidTransform
 
+from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -56,8 +58,12 @@ USER_TARGETS = {
 [rad]."""
 
 NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS]
-"""Joints that a robot must have for the tutorial, by name or alias. Other joints of the
-arms may differ; they get the robot's own gains."""
+"""Joints of Atlas and its kin, by name or alias. Other joints of the arms may differ;
+they get the robot's own gains."""
+MOVED = {"neck": (0,), "l_arm": (2, -1), "r_arm": (2, -1)}
+"""Joints of any other robot that the user moves, by limb and place in it."""
+WAY = 0.1
+"""Way of such a joint from the stand-prep pose [rad]."""
 
 
 class TutorialStep(NamedTuple):
@@ -93,7 +99,7 @@ STEPS = (
     TutorialStep(
         FIRST_COMMAND + 13.0,
         "Home",
-        "You have every joint again; all go to zero, on the legs alone.",
+        "You have every joint again; all go home, on the legs alone.",
     ),
 )
 """The steps of the tutorial, in order."""
@@ -112,21 +118,15 @@ def tutorial_schedule(robot: Robot, literal: bool = False) -> list[ScheduledComm
     """Makes the commands of the whole tutorial, with their times.
 
     The published script sends the arm command, ``literal``, without the velocity gains
-    that its comment intends. Raises ScenarioError if the robot lacks a joint.
+    that its comment intends. Robots without Atlas' joints move those of the same limbs,
+    with their own gains, and take steps of their size. Raises ScenarioError if a robot
+    has not two arms.
     """
-    known = {name for joint in robot.file.joints for name in (joint.name, joint.alias)}
-    missing = [name for name in NEEDED if name not in known]
-    if missing:
-        raise ScenarioError(
-            "schedule",
-            "tutorial",
-            f"the tutorial commands Atlas' joints, and robot '{robot.name}' has no "
-            f"{missing[0]}; choose schedule: none",
-        )
     n = robot.num_joints
+    targets = _user_targets(robot)
     user_k_effort = [0] * n
-    for name in USER_TARGETS:
-        user_k_effort[robot.joint_index(name)] = K_EFFORT_MAX
+    for joint in targets:
+        user_k_effort[joint] = K_EFFORT_MAX
 
     stand_prep = AtlasCommand()
     stand_prep.position = robot.stand_prep.tolist()
@@ -143,12 +143,12 @@ def tutorial_schedule(robot: Robot, literal: bool = False) -> list[ScheduledComm
     stand.k_effort = [0] * n
 
     arms = _posture(robot, None if literal else KP_VELOCITY)
-    for name, position in USER_TARGETS.items():
-        arms.position[robot.joint_index(name)] = position
+    for joint, position in targets.items():
+        arms.position[joint] = position
     arms.k_effort = user_k_effort
 
     def walk(feedback: Feedback) -> AtlasSimInterfaceCommand:
-        message = walk_command(feedback)
+        message = walk_command(feedback, _size(robot), 0.5 * _stance(robot))
         message.k_effort = user_k_effort
         return message
 
@@ -166,9 +166,53 @@ def tutorial_schedule(robot: Robot, literal: bool = False) -> list[ScheduledComm
     ]
 
 
+def _has_atlas_joints(robot: Robot) -> bool:
+    known = {name for joint in robot.file.joints for name in (joint.name, joint.alias)}
+    return known.issuperset(NEEDED)
+
+
+def _user_targets(robot: Robot) -> dict[int, float]:
+    """Returns the joints that the user moves, and their target positions [rad]."""
+    if _has_atlas_joints(robot):
+        return {robot.joint_index(name): at for name, at in USER_TARGETS.items()}
+    targets = {}
+    for limb, places in MOVED.items():
+        joints = np.flatnonzero(robot.limb(limb))
+        if not len(joints) and limb != "neck":
+            raise ScenarioError(
+                "schedule",
+                "tutorial",
+                f"the tutorial moves two arms, and robot '{robot.name}' has no joint "
+                f"of limb {limb}; choose schedule: none",
+            )
+        for place in places if len(joints) else ():
+            joint = int(joints[min(place, len(joints) - 1)])
+            goal = robot.stand_prep[joint] + (WAY if place > 0 else -WAY)
+            low, high = robot.position_lower[joint], robot.position_upper[joint]
+            targets[joint] = float(min(max(goal, low), high))
+    return targets
+
+
+def _size(robot: Robot) -> float:
+    """Returns the size by which steps scale: 1 for Atlas and its kin [-]."""
+    return robot.com_height / ATLAS.height if robot.file.scaled else 1.0
+
+
+def _stance(robot: Robot) -> float:
+    return robot.stance_width if robot.file.scaled else 2.0 * HALF_STANCE
+
+
 def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
-    """Makes a command of all joints to zero with the tutorial's gains."""
+    """Makes a command of all joints to zero with the tutorial's gains.
+
+    Robots without Atlas' joints keep their stand-prep pose, with their own gains: with
+    straight legs and unknown gains few stand.
+    """
     message, num_joints = AtlasCommand(), robot.num_joints
+    if not _has_atlas_joints(robot):
+        message.position = robot.stand_prep.tolist()
+        message.velocity = message.effort = [0.0] * num_joints
+        return message
     message.position = [0.0] * num_joints
     message.velocity = [0.0] * num_joints
     message.effort = [0.0] * num_joints
@@ -185,12 +229,15 @@ def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
     return message
 
 
-def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
+def walk_command(
+    feedback: Feedback, size: float = 1.0, half_stance: float = HALF_STANCE
+) -> AtlasSimInterfaceCommand:
     """Makes a command of four steps ahead, with the feet side by side at the end.
 
     The steps are defined in the robot's frame, and transformed to the world frame with
     the IMU's orientation and the estimated position of the pelvis at the time of the
-    command.
+    command. Lengths are Atlas' times ``size`` [-], durations times its root;
+    ``half_stance`` is the sideways distance of each foot from the middle [m].
     """
     message = AtlasSimInterfaceCommand()
     message.behavior = message.WALK
@@ -202,10 +249,10 @@ def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
         step = AtlasBehaviorStepData()
         step.step_index = i + 1
         step.foot_index = i % 2
-        step.swing_height = SWING_HEIGHT
-        step.duration = STEP_DURATION
-        side = HALF_STANCE if step.foot_index == 0 else -HALF_STANCE
-        p_PF = np.array([(1 + i // 2) * STEP_LENGTH, side, 0.0])
+        step.swing_height = SWING_HEIGHT * size
+        step.duration = STEP_DURATION * math.sqrt(size)
+        side = half_stance if step.foot_index == 0 else -half_stance
+        p_PF = np.array([(1 + i // 2) * STEP_LENGTH * size, side, 0.0])
         step.pose = pose_message(X_WP @ RigidTransform(p_PF))
         message.walk_params.step_queue[i] = step
     return message

@@ -65,13 +65,30 @@ def test_the_command_line_takes_a_path(copied, tmp_path, monkeypatch, capsys):
     assert str(path) in error
 
 
-def test_the_tutorial_is_for_robots_with_atlas_joints(tmp_path):
+def test_the_tutorial_is_for_robots_with_two_arms(copied, tmp_path):
     kept = tmp_path / "kept.mcap"
     kept.write_text("an earlier run")
-    scenario = Scenario(model=str(HERON), schedule="tutorial")
-    with pytest.raises(ScenarioError, match="'heron' has no back_bkz; choose sched"):
+    path = copied()
+    path.write_text(path.read_text().replace("limb: r_arm", "limb: neck"))
+    scenario = Scenario(model=str(path), schedule="tutorial")
+    with pytest.raises(ScenarioError, match="no joint of limb r_arm; choose sched"):
         AtlasSimulation(scenario, log=kept)
     assert kept.read_text() == "an earlier run"
+
+
+@pytest.mark.slow
+def test_heron_follows_the_tutorial():
+    scenario = Scenario(model=str(HERON), schedule="tutorial", initial_behavior="USER")
+    sim = AtlasSimulation(scenario)
+    sim.advance(11.0)
+    moved = [sim.robot.joint_index(f"{side}_shoulder") for side in ("left", "right")]
+    held = np.flatnonzero(sim.atlas_sim_interface_state.k_effort)
+    assert held.tolist() == moved
+    sim.advance(6.0)
+    assert not sim.has_fallen
+    assert len(sim.footsteps) == 4
+    assert max(step["error_m"] for step in sim.footsteps) < 0.01
+    assert set(sim.atlas_sim_interface_state.k_effort) == {255}
 
 
 def test_a_log_knows_where_its_robot_is(copied, tmp_path):
