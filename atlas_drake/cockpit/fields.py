@@ -18,7 +18,7 @@ from annotated_types import Ge, Gt, Interval, Le, Lt
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.config import as_plain, joined, trailing_strings
-from atlas_drake.robot.load import available_robots
+from atlas_drake.robot.load import available_robots, imported_robots
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import is_of_a_run, usual_of
 from atlas_drake.scenario.world_file import available_worlds
@@ -48,12 +48,29 @@ def settings_of(scenario: Scenario, why_not: str) -> dict[str, Any]:
         "robot": scenario.model,
         "world": scenario.surroundings().name,
         "seed": scenario.seed,
-        "robots": available_robots(),
+        "robots": _robots(scenario),
         "worlds": available_worlds(),
         "examples": sorted(path.stem for path in EXAMPLES.glob("*.yaml")),
         "why_not": why_not,
         "fields": list(scenario_fields(scenario)),
     }
+
+
+def _robots(scenario: Scenario) -> list[list[str]]:
+    """Returns value and label of the robots that can be chosen.
+
+    Beside those that come along, these are what was imported into the working folder
+    or into the folder of the present robot.
+    """
+    shipped = available_robots()
+    beside = [Path.cwd()]
+    if scenario.model not in shipped:
+        beside.append(Path(scenario.model).absolute().parents[1])
+    imported = imported_robots(*beside).items()
+    return [
+        *([name, name] for name in shipped),
+        *([str(path), f"{name} (imported)"] for name, path in imported),
+    ]
 
 
 def scenario_fields(scenario: Scenario) -> Iterator[dict[str, Any]]:

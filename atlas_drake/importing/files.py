@@ -23,8 +23,9 @@ from atlas_drake.importing.repairs import listed
 from atlas_drake.importing.soles import Soles
 from atlas_drake.importing.tree import Tree
 from atlas_drake.robot import RobotFile
+from atlas_drake.robot.load import IMPORTED
 
-URDF, YAML, MESHES = "robot.urdf", "robot.yaml", "meshes"
+URDF, YAML, MESHES = "robot.urdf", f"{IMPORTED}.yaml", "meshes"
 SOLES = ("l_sole_frame", "r_sole_frame")
 UPRIGHT = "chest_upright_frame"
 """Frame of the chest, parallel to the pelvis with all joints at zero."""

@@ -32,6 +32,8 @@ from atlas_drake.robot.robot import Robot, Size, add_urdf, leave_out_collisions
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
+IMPORTED = "robot"
+"""Name of an import's YAML file without its ending; its folder has the robot's name."""
 _ENDINGS = (".yaml", ".yml")
 """Endings by which a path is told from a name."""
 
@@ -39,6 +41,15 @@ _ENDINGS = (".yaml", ".yml")
 def available_robots() -> list[str]:
     """Lists the names of the robots in the package, the default first."""
     return names_in(MODELS_FOLDER, DEFAULT_ROBOT)
+
+
+def imported_robots(*folders: Path) -> dict[str, Path]:
+    """Returns the YAML files that imports wrote into folders, by the robots' names."""
+    return {
+        path.parent.name: path.absolute()
+        for folder in folders
+        for path in sorted(folder.glob(f"*/{IMPORTED}.yaml"))
+    }
 
 
 def names_in(folder: Path, first: str) -> list[str]:
@@ -115,7 +126,7 @@ def _naming(path: Path) -> Iterator[None]:
 
 def _name_of(path: Path) -> str:
     """Returns the name of a robot's file; an import calls all files robot.yaml."""
-    return path.parent.name if path.stem == "robot" else path.stem
+    return path.parent.name if path.stem == IMPORTED else path.stem
 
 
 def _load(path: Path, name: str | None, file: RobotFile) -> Robot:

@@ -1,7 +1,9 @@
 """Settings of a scenario: described, checked, started, written."""
 
 import io
+import shutil
 from dataclasses import dataclass
+from pathlib import Path
 
 import orjson
 import pytest
@@ -10,10 +12,11 @@ from pydrake.common.yaml import yaml_load
 from atlas_drake import ScenarioError
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.teleop import followed
-from atlas_drake.cockpit.fields import param_fields, scenario_fields
+from atlas_drake.cockpit.fields import param_fields, scenario_fields, settings_of
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.scenario.world import WorldError
 
+HERON = Path(__file__).parents[1] / "robots" / "heron"
 GAIN = "controller.gains.dcm_gain"
 
 
@@ -120,3 +123,23 @@ def test_a_simulation_that_cannot_be_built_leaves_the_present_one():
     asked = Scenario(name="crowd")
     assert followed("now", asked, build, Page(), Progress(io.StringIO(), 1.0)) == "now"
     assert said[-1] == "crowd cannot be simulated: it is full"
+
+
+def test_imported_robots_can_be_chosen(tmp_path, monkeypatch):
+    for folder, name in (("here", "bird"), ("there", "horse"), ("there", "mule")):
+        path = tmp_path / folder / name / "robot.yaml"
+        shutil.copytree(HERON, path.parent)
+        (path.parent / "heron.yaml").rename(path)
+    monkeypatch.chdir(tmp_path / "here")
+    rides = tmp_path / "there" / "mule" / "robot.yaml"
+    scenario = Scenario(model=str(rides)).resolved()
+    robots = settings_of(scenario, "")["robots"]
+    assert robots[0] == ["atlas", "atlas"]
+    assert [label for _, label in robots[-3:]] == [
+        "bird (imported)",
+        "horse (imported)",
+        "mule (imported)",
+    ]
+    assert robots[-1][0] == str(rides)
+    # What is chosen is a scenario's model.
+    assert with_settings(scenario, [f"model={robots[-3][0]}"]).model == robots[-3][0]

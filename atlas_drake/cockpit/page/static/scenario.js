@@ -48,7 +48,8 @@ export function build(page, root) {
 
   // Changes what can be chosen, and keeps what is.
   function offer(select, keep, names, first = []) {
-    const chosen = select.value, pairs = [["", keep], ...first, ...names.map((one) => [one, one])];
+    const named = names.map((one) => (Array.isArray(one) ? one : [one, one]));
+    const chosen = select.value, pairs = [["", keep], ...first, ...named];
     select.replaceChildren(...choice(pairs).children);
     select.value = chosen;
     if (select.selectedIndex < 0) select.value = "";
