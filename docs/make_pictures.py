@@ -33,7 +33,7 @@ from atlas_drake.simulation.parts_file import run_file
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import start_meshcat
 
-PAGES = ("films", "readme", "cockpit", "extending", "worlds")
+PAGES = ("films", "readme", "cockpit", "extending", "worlds", "robots")
 IMAGES = Path(__file__).parent / "images"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
@@ -101,6 +101,10 @@ def main() -> None:
         make_cockpit_pictures(str(shutil.which(options.browser)), IMAGES)
     if "extending" in pages:
         make_extending_pictures(IMAGES, partial(photograph, options.browser))
+    if "robots" in pages:
+        from robots_pictures import make_robots_pictures
+
+        make_robots_pictures(IMAGES)
     if "worlds" in pages:
         make_worlds_pictures(IMAGES, partial(photograph, options.browser))
 

@@ -34,7 +34,7 @@ from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import RobotFile, Size
+from atlas_drake.robot import DEFAULT_ROBOT, RobotFile, Size, read_robot_file
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,12 @@ class ControllerConfig(Configuration):
     ) -> "ControllerConfig":
         """Returns the configuration of a robot: its file's values, or else defaults.
 
-        The defaults are scaled to its size; None leaves them as they are.
+        Atlas' values are scaled to its size; with None it has the defaults as they are.
         """
         config = ControllerConfig()
         if size is not None:
-            config = config.scaled(size)
+            atlas = read_robot_file(DEFAULT_ROBOT).controller
+            config = config.with_values(atlas).scaled(size)
         return config.with_values(file.controller, behaviors)
 
     def scaled(self, size: Size) -> "ControllerConfig":

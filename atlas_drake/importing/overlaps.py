@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -19,13 +20,17 @@ from atlas_drake.robot.parsing import parse
 
 OVERLAP = 1e-5
 """Depth from which shapes overlap [m]."""
-NEAR_JOINTS, SAMPLES, SPREAD = 3, 30, 0.3
+NEAR_JOINTS, SAMPLES, SPREAD = 4, 30, 0.3
 """Links this many joints apart at most are also compared in random poses about the
 stand-prep pose, so many and so far [rad]: hulls of hips and thighs overlap when they
 turn."""
 SPREADS = (0.15, 0.3, 0.45, 0.6)
-"""Turns of a shoulder's joints that are tried to clear the arm of the legs [rad]."""
+"""Turns of a shoulder's joints that are tried to clear the arms [rad]."""
+APART = 0.3
+"""Distance of forearms and hands from the body in the stand-prep pose, in sizes of the
+sole: some 5 cm for a robot of Atlas' size [-]."""
 SHOULDER = 3
+"""Joints of a shoulder; what is beyond them is elbow, forearm and hand."""
 
 
 class Shapes:
@@ -42,11 +47,15 @@ class Shapes:
         self.joints = [self.plant.GetJointByName(joint.name) for joint in file.joints]
         self.lower = np.array([j.position_lower_limit() for j in self.joints])
         self.upper = np.array([j.position_upper_limit() for j in self.joints])
+        self.apart = APART * math.sqrt(file.sole.length * file.sole.width)
+
+    def _put(self, pose: np.ndarray) -> None:
+        for joint, angle in zip(self.joints, pose, strict=True):
+            joint.set_angle(self._context, angle)
 
     def inside(self, pose: np.ndarray) -> Iterable[tuple[Any, Any, float]]:
         """Yields pairs of bodies that overlap, by name, with their depth [m]."""
-        for joint, angle in zip(self.joints, pose, strict=True):
-            joint.set_angle(self._context, angle)
+        self._put(pose)
         query = self.plant.get_geometry_query_input_port().Eval(self._context)
         for pair in query.ComputePointPairPenetration():
             frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
@@ -54,6 +63,39 @@ class Shapes:
             one, other = sorted(bodies, key=lambda body: str(body.name()))
             if pair.depth > OVERLAP:
                 yield one, other, pair.depth
+
+    def beyond(self, places: list[int]) -> set[int]:
+        """Returns the bodies that more joints of an arm move than its shoulder's."""
+        return {
+            int(index)
+            for place in places[SHOULDER:]
+            for index in self.plant.GetBodiesKinematicallyAffectedBy(
+                [self.joints[place].index()]
+            )
+        }
+
+    def clearance(self, pose: np.ndarray, places: list[int], far: set[int]) -> float:
+        """Returns the least distance of bodies ``far`` along an arm from the rest [m].
+
+        ``places`` are the arm's joints; distances above ``apart`` count as that.
+        """
+        self._put(pose)
+        own = {
+            int(index)
+            for index in self.plant.GetBodiesKinematicallyAffectedBy(
+                [self.joints[place].index() for place in places]
+            )
+        }
+        query = self.plant.get_geometry_query_input_port().Eval(self._context)
+        least = self.apart
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(self.apart):
+            frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
+            one, other = (
+                int(self.plant.GetBodyFromFrameId(frame).index()) for frame in frames
+            )
+            if (one in far and other not in own) or (other in far and one not in own):
+                least = min(least, float(pair.distance))
+        return least
 
     def moved_by(self, body: Any) -> set[int]:
         """Returns the joints that move a body, by their places in message order."""
@@ -66,37 +108,33 @@ class Shapes:
 
 
 def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
-    """Returns the file with shoulders turned so that no arm is inside a leg."""
+    """Returns the file with shoulders turned so that the arms swing free.
+
+    Forearms and hands keep a distance from legs and trunk, if one joint of the shoulder
+    can do it: the one with the least turn, or that which comes nearest to it.
+    """
     shapes = Shapes(urdf, file)
     pose = np.array([joint.stand_prep for joint in file.joints])
-    limbs = [joint.limb for joint in file.joints]
-    legs = {place for place, limb in enumerate(limbs) if limb.endswith("leg")}
     for arm in ("l_arm", "r_arm"):
-        places = [place for place, limb in enumerate(limbs) if limb == arm]
-
-        def depth(tried: np.ndarray, own: frozenset[int] = frozenset(places)) -> float:
-            found = 0.0
-            for one, other, deep in shapes.inside(tried):
-                a, b = shapes.moved_by(one), shapes.moved_by(other)
-                if (a & own and b & legs) or (b & own and a & legs):
-                    found += deep
-            return found
-
-        if not places or depth(pose) == 0.0:
-            continue
+        places = [k for k, joint in enumerate(file.joints) if joint.limb == arm]
+        far = shapes.beyond(places)
+        clearance = shapes.clearance(pose, places, far)
+        best, name = pose, ""
         for turn, place, sign in itertools.product(
             SPREADS, places[:SHOULDER], (1.0, -1.0)
         ):
+            if clearance >= shapes.apart:
+                break
             tried = pose.copy()
             tried[place] += sign * turn
-            within = shapes.lower[place] <= tried[place] <= shapes.upper[place]
-            if within and depth(tried) == 0.0:
-                name = file.joints[place].name
-                findings.add(
-                    GUESSED, f"{name} at {tried[place]:.2f} rad clears the arm of a leg"
-                )
-                pose = tried
-                break
+            if shapes.lower[place] <= tried[place] <= shapes.upper[place]:
+                wider = shapes.clearance(tried, places, far)
+                if wider > clearance + 1e-3 * shapes.apart:
+                    clearance, best = wider, tried
+                    name = f"{file.joints[place].name} at {tried[place]:.2f} rad"
+        if name:
+            findings.add(GUESSED, f"{name} keeps the arm clear of the body")
+        pose = best
     joints = [
         replace(joint, stand_prep=round(float(angle), 5))
         for joint, angle in zip(file.joints, pose, strict=True)

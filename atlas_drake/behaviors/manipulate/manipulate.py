@@ -22,6 +22,7 @@ from atlas_drake.behaviors.manipulate.pelvis_demo import (
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.feet.leg_pose import LegPose
 from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisLead,
     PelvisMotion,
@@ -240,10 +241,11 @@ class Manipulate(BehaviorProtocol):
             if state.demo_time is not None:
                 return state
             upper = self._reach.upper_body(observation.terms, state.stance)
+            near: list[LegPose | None] = [None, None]
             share = demo_amplitude(
                 state.home,
                 self._demo,
-                lambda pose: self._reach.allows(pose, state.stance, upper),
+                lambda pose: self._reach.allows(pose, state.stance, upper, near),
             )
             return replace(state, demo_time=0.0, demo_share=share)
         if params.use_desired:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from atlas_drake.control.feet.leg_pose import LegPose
 from atlas_drake.robot import KNEE, Leg
 from atlas_drake.rotations import cross_rows
 
-_ACCURACY = 1e-6
+_ACCURACY = 1e-5
 """Accuracy of the sole's pose [m], [rad]."""
 _CONVERGES = 0.1
 """Share of the error that a step may leave before the Jacobian is computed anew [-]."""
@@ -33,16 +32,9 @@ _DAMPING = 1e-4
 
 @dataclass(frozen=True)
 class NumericPose(LegPose):
-    """A pose with the sole's place [m], from which poses nearby are found."""
+    """A pose from which others nearby are found."""
 
-    p_PF: np.ndarray
-
-    @cached_property
-    def inverse_jacobian(self) -> np.ndarray:
-        """Change of the joints per rotation and displacement of the sole, (6, 6)."""
-        moment = cross_rows(self.axes, self.p_PF - self.points)
-        J = np.vstack([self.axes.T, moment.T])
-        return J.T @ np.linalg.inv(J @ J.T + _DAMPING**2 * np.eye(6))
+    inverse: np.ndarray  # Of the Jacobian here or nearby, (6, 6)
 
 
 class NumericLeg:
@@ -81,6 +73,11 @@ class NumericLeg:
 
     def pose(self, angles: np.ndarray) -> NumericPose:
         """Computes axes and points of the joints, in the pelvis, for joints [rad]."""
+        axes, points, p_PF = self._lines(angles)
+        return NumericPose(angles, axes, points, _inverse(axes, p_PF - points))
+
+    def _lines(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Computes axes, points on them, and the sole's place in the pelvis."""
         moves = self._moves(angles)
         above = np.empty_like(moves)
         X = np.eye(4)
@@ -89,7 +86,7 @@ class NumericLeg:
             X = X.dot(move)
         axes = (above[:, :3, :3] @ self._axes)[..., 0]
         points = (above[:, :3] @ self._points)[..., 0]
-        return NumericPose(angles, axes, points, X.dot(self._leg.sole)[:3, 3])
+        return axes, points, X.dot(self._leg.sole)[:3, 3]
 
     def solve(
         self, p_PF: np.ndarray, R_PF: np.ndarray, near: LegPose | None = None
@@ -100,28 +97,40 @@ class NumericLeg:
         None if no pose is found.
         """
         start = near if isinstance(near, NumericPose) else self._home
-        angles, before, fresh = start.angles, math.inf, False
+        angles, inverse = start.angles, start.inverse
+        before, fresh = math.inf, False
         for _ in range(_MOST_STEPS):
             X = self.sole(angles)
             error = np.concatenate((_turn(R_PF.dot(X[:3, :3].T)), p_PF - X[:3, 3]))
             size = math.sqrt(error @ error)
             if size < _ACCURACY:
                 bent = self._leg.flexion(float(angles[KNEE]))
-                forward = math.remainder(bent, math.tau) >= 0.0
-                return self.pose(angles) if forward else None
+                if math.remainder(bent, math.tau) < 0.0:
+                    return None
+                return NumericPose(angles, *self._lines(angles)[:2], inverse)
             if size > _CONVERGES * before:
                 if fresh and size > _STALLS * before:
                     return None
-                start, fresh = self.pose(angles), True
+                inverse, fresh = self.pose(angles).inverse, True
             else:
                 fresh = False
             before = size
-            step = start.inverse_jacobian.dot(error)
+            step = inverse.dot(error)
             longest = max(step.max(), -step.min())
             if longest > _LONGEST_STEP:
                 step *= _LONGEST_STEP / longest
             angles = angles + step
         return None
+
+
+def _inverse(axes: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    """Computes the change of the joints per rotation and displacement of the sole.
+
+    ``arms`` reach from points on the axes to the sole [m], shape (6, 3).
+    """
+    J = np.vstack([axes.T, cross_rows(axes, arms).T])
+    inverse: np.ndarray = J.T @ np.linalg.inv(J @ J.T + _DAMPING**2 * np.eye(6))
+    return inverse
 
 
 def _turn(R: np.ndarray) -> tuple[float, float, float]:

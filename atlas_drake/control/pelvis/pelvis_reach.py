@@ -176,6 +176,8 @@ class PelvisReach:
         """Moves one coordinate of ``granted`` toward ``goal`` as far as is feasible."""
         best = granted
         begin = getattr(granted, name)
+        if begin == goal:
+            return granted
         low, high = 0.0, 1.0
         share = 1.0
         for _ in range(_BISECTIONS):
