@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import itertools
 import runpy
 import tempfile
 from pathlib import Path
@@ -54,6 +55,11 @@ def make_robots_pictures(folder: Path) -> None:
     with FilmFile(folder / "robots.mp4", RATE, (width * len(films), height)) as film:
         for pictures in zip(*films, strict=True):
             film.add(np.ascontiguousarray(np.concatenate(pictures, axis=1)))
+    small = (width * len(films) // 2, height // 2)
+    with FilmFile(folder / "robots.gif", RATE // 2, small) as film:
+        for pictures in itertools.islice(zip(*films, strict=True), 50, 150, 2):
+            whole = Image.fromarray(np.concatenate(pictures, axis=1))
+            film.add(np.asarray(whole.resize(small)))
 
 
 def _walk(model: Path, log: Path) -> Log:

@@ -49,7 +49,7 @@ def write_urdf(
     for name, link in tree.links.items():
         element = etree.SubElement(root, "link", name=name)
         _add_inertial(element, link.inertial)
-        _add_visuals(element, name, link, meshes, folder)
+        _add_visuals(element, link, tree, meshes, folder)
         body = tree.body_of(name)
         if body not in anatomy.feet:
             flat += _add_hulls(element, name, link, meshes, folder)
@@ -91,15 +91,16 @@ def _add_inertial(element: Any, inertial: Any) -> None:
 
 
 def _add_visuals(
-    element: Any, name: str, link: Any, meshes: MeshLibrary, folder: Path
+    element: Any, link: Any, tree: Tree, meshes: MeshLibrary, folder: Path
 ) -> None:
+    name = link.name
     for number, shape in enumerate(link.visuals):
         seen = meshes.shape(shape.geometry)
         if not seen:
             continue
         inside = etree.SubElement(element, "visual")
         _add_origin(inside, shape.origin)
-        color = getattr(getattr(shape.material, "color", None), "rgba", None)
+        color = tree.color(shape.material)
         if shape.geometry.mesh is not None:
             file = f"{MESHES}/{name}_{number}.gltf"
             is_plain = shape.geometry.mesh.filename.lower().endswith(".stl")

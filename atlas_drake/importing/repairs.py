@@ -27,6 +27,11 @@ LEAST_MASS = 1e-3
 """Mass of a moving link without one [kg]."""
 LEAST_RADIUS = 0.005
 """Radius of gyration of a link without a shape [m]."""
+LEAST_INERTIA = 1e-7
+"""Least principal moment that is no error, per mass [m²]."""
+ROUNDED, EXACT = 1e-3, 1e-6
+"""Error of the largest principal moment that is rounding, and what is left to spare
+[-]."""
 _SHOWN = 6
 
 
@@ -139,7 +144,9 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
                 raise ImportRefused(f"link {name}: its mass is {mass:g} kg")
             if mass == 0.0:
                 link.inertial = None
-            elif not is_possible(mass, inertial.inertia):
+            elif (near := _nearly_possible(mass, inertial.inertia)) is not None:
+                inertial.inertia = near
+            else:
                 given = np.asarray(inertial.inertia, float)
                 (none if not np.any(given) else impossible).append(name)
                 inertial.inertia = _box(tree, name, mass, inertial.origin, meshes)
@@ -164,15 +171,20 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
         findings.add(REPAIRED, f"no mass, 1 g taken: {listed(massless)}")
 
 
-def is_possible(mass: float, inertia: Any) -> bool:
-    """Returns True if a body can have this mass [kg] and central inertia [kg·m²]."""
+def _nearly_possible(mass: float, inertia: Any) -> np.ndarray | None:
+    """Returns a central inertia [kg·m²] that a body can have; None if it is far off.
+
+    Principal moments keep the triangle inequality; rounding of the file is made up for.
+    """
     if inertia is None:
-        return False
+        return None
     given = np.asarray(inertia, dtype=float)
-    if not np.isfinite(given).all():
-        return False
     small, middle, large = np.linalg.eigvalsh(0.5 * (given + given.T))
-    return bool(small > 1e-7 * mass and large <= (small + middle) * (1.0 + 1e-6))
+    beyond = large - small - middle
+    if small < LEAST_INERTIA * mass or beyond > ROUNDED * large:
+        return None
+    more: np.ndarray = given + max(beyond + EXACT * large, 0.0) * np.eye(3)
+    return more
 
 
 def _box(

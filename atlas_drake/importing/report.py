@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydrake.geometry import Role
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.diagrams.film import photograph
 from atlas_drake.importing.findings import GUESSED, LOST, REPAIRED, Findings
@@ -17,6 +20,8 @@ from atlas_drake.scenario.world_file import View
 
 SIZE = (420, 560)
 """Of each picture [pixel]."""
+MARGIN = 1.05
+"""Height of a picture over that of the robot [-]."""
 FAR = 2.3
 """Distance of the camera, in heights of the robot [-]."""
 
@@ -38,17 +43,25 @@ def write_picture(log_path: Path, trial: Trial, robot: Robot, path: Path) -> Non
 
 
 def robot_height(robot: Robot) -> float:
-    """Returns the height of the robot's topmost frame, with a little more [m]."""
-    plant: Any = robot.plant
-    context = plant.CreateDefaultContext()
+    """Returns the height in the stand-prep pose, with a little more [m]."""
+    builder = DiagramBuilder()
+    plant: Any = AddMultibodyPlantSceneGraph(builder, time_step=0.0)[0]
+    robot.add_to(plant)
+    plant.Finalize()
+    root = builder.Build().CreateDefaultContext()
+    context = plant.GetMyMutableContextFromRoot(root)
     for name, angle in zip(robot.joint_names, robot.stand_prep, strict=True):
         plant.GetJointByName(name).set_angle(context, angle)
-    heights = [
-        plant.GetBodyByName(name).EvalPoseInWorld(context).translation()[2]
-        for name in robot.body_names
-    ]
-    top = max(heights) - heights[robot.body_names.index(robot.file.pelvis)]
-    return 1.1 * (float(top) + robot.pelvis_height)
+    query = plant.get_geometry_query_input_port().Eval(context)
+    inspector = query.inspector()
+    tops = []
+    for geometry in inspector.GetAllGeometryIds(Role.kIllustration):
+        box = inspector.GetObbInGeometryFrame(geometry)
+        if box is not None:
+            X_WB = query.GetPoseInWorld(geometry).multiply(box.pose())
+            up = np.abs(X_WB.rotation().matrix()[2]) @ box.half_width()
+            tops.append(float(X_WB.translation()[2] + up))
+    return MARGIN * (max(tops, default=0.5 * robot.com_height) + robot.pelvis_height)
 
 
 def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> None:

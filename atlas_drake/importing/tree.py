@@ -19,6 +19,12 @@ from pydrake.math import RigidTransform
 from atlas_drake.importing.findings import ImportRefused
 
 MOVING = ("revolute", "continuous")
+_NUMBERS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "radius": 1, "length": 1}
+_NUMBERS |= dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "damping"), 1)
+"""How many numbers an attribute has; a scale may also be one."""
+_POSITIVE = ("size", "radius", "length")
+_LIMITS = ("lower", "upper", "effort", "velocity")
+"""Attributes that may also say that there is no limit, as inf."""
 
 
 class Tree:
@@ -28,15 +34,18 @@ class Tree:
         """Reads a file."""
         try:
             # yourdfpy reads on past faults of the XML.
-            tag = etree.parse(str(file)).getroot().tag
-            if tag != "robot":
-                raise ValueError(f"its outermost element is <{tag}>, not <robot>")
+            root = etree.parse(str(file)).getroot()
+            if root.tag != "robot":
+                raise ValueError(f"its outermost element is <{root.tag}>, not <robot>")
+            _check_numbers(root)
             self.urdf = urdf.URDF.load(
                 str(file),
                 build_scene_graph=False,
                 load_meshes=False,
                 load_collision_meshes=False,
             )
+        except ImportRefused:
+            raise
         except Exception as error:  # lxml and yourdfpy raise several kinds.
             said = " ".join(str(error).split()) or type(error).__name__
             raise ImportRefused(f"{file}: is no URDF: {said}") from None
@@ -153,7 +162,48 @@ class Tree:
         lower, upper = joint.limit.lower, joint.limit.upper
         return float(lower or 0.0), float(upper or 0.0)
 
+    def color(self, material: Any) -> Any:
+        """Returns red, green, blue and opacity of a material; None without a color."""
+        if material is None:
+            return None
+        for one in (material, *self.urdf.robot.materials):
+            if one.name == material.name and one.color is not None:
+                return one.color.rgba
+        return None
+
     def mass_of(self, links: list[str]) -> float:
         """Returns the mass of links [kg]."""
         inertials = [self.links[name].inertial for name in links]
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
+
+
+def _check_numbers(root: Any) -> None:
+    """Checks the numbers of links and joints, which readers take as they come."""
+    for part in root:
+        if part.tag not in ("link", "joint"):
+            continue
+        for element in part.iter(etree.Element):
+            for name, text in element.attrib.items():
+                wanted = _fault(name, text)
+                if wanted:
+                    where = f"{part.tag} {part.get('name')}, <{element.tag}>: {name}"
+                    raise ImportRefused(f"{where} is {text!r}; must be {wanted}")
+
+
+def _fault(name: str, text: str) -> str:
+    """Returns what an attribute should be; empty if it is that."""
+    count = 1 if name in _LIMITS else _NUMBERS.get(name)
+    if count is None:
+        return ""
+    wanted = "a number" if count == 1 else f"{count} numbers"
+    try:
+        values = [float(one) for one in text.split()]
+    except ValueError:
+        return wanted
+    if len(values) != count and not (name == "scale" and len(values) == 1):
+        return wanted
+    if name not in _LIMITS and not all(map(math.isfinite, values)):
+        return f"{wanted}, finite"
+    if name in _POSITIVE and min(values) <= 0.0:
+        return f"{wanted}, above 0"
+    return ""

@@ -87,6 +87,10 @@ def test_heron_is_found_without_a_word_of_help(imported):
         ((r"</robot>", '<link name="stray"/></robot>'),
          "one root link, and has hips, stray"),
         ((r"<robot ", "<robots "), "is no URDF"),
+        ((r'(<axis xyz=")0 1 0"', r'\g<1>0 up 0"'),
+         r"joint \w+, <axis>: xyz is '0 up 0'; must be 3 numbers"),
+        ((r'(<sphere radius=")[^"]*"', r'\g<1>-1"'),
+         r"link \w+, <sphere>: radius is '-1'; must be a number, above 0"),
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_become_a_robot_is_refused(imported, replacement, words):
@@ -239,3 +243,13 @@ def test_jvrc_walks(tmp_path):
     assert trial.pushed
     assert trial.landing < 0.01
     assert find_source("jvrc").name == "jvrc1.urdf"
+
+
+def test_a_color_may_be_that_of_a_material_of_the_whole_file(imported):
+    robot, _ = imported(
+        (r"(<robot [^>]*>)", r'\1<material name="sky"><color rgba="0.1 0.2 0.9 1"/>'
+         "</material>"),
+        (r'(<link name="trunk">.*?<visual>.*?)(<material.*?)?(\s*</visual>)',
+         r'\1<material name="sky"/>\3'),
+    )  # fmt: skip
+    assert 'rgba="0.1 0.2 0.9 1"' in robot.urdf.read_text()
