@@ -6,6 +6,7 @@ The measured values are not tested here.
 import importlib
 import importlib.util
 import json
+import shutil
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -26,6 +27,7 @@ from atlas_drake.messages.footstep import RIGHT, FootPose
 from atlas_drake.rotations import rotation_z
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
+HERON = Path(__file__).parent / "robots" / "heron"
 SCRIPTS = sorted(
     path.stem for path in FOLDER.glob("*.py") if "def main" in path.read_text()
 )
@@ -120,8 +122,26 @@ def test_contact_models_make_a_table(load):
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
-def test_a_campaign_can_be_run(name):
+def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
+    if name.startswith("robot"):
+        # Herons stand in for the robots that an import writes into the working folder.
+        for robot in module_of("robots").ROBOTS:
+            folder = tmp_path / "build" / "robots" / robot
+            shutil.copytree(HERON, folder)
+            (folder / "heron.yaml").rename(folder / "robot.yaml")
+        monkeypatch.chdir(tmp_path)
     TrialRunner(load_campaign(FOLDER / "campaigns" / f"{name}.yaml"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walks", [False, True])
+def test_an_imported_robot_is_pushed(walks):
+    parameters = {"walks": walks, "speed": 0.2, "direction": "left"}
+    with AtlasSimulation(Scenario(model=str(HERON / "heron.yaml"))) as sim:
+        done = module_of("robots").trial(sim, parameters)
+        assert any(event.kind == "push" for event in sim.events)
+    assert done == {"stands": True, "all_steps": True}
+    assert (len(sim.footsteps) >= 8) == walks
 
 
 FEET = [
