@@ -42,8 +42,7 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="SECONDS",
         help="at most 0.0045 (default: 0.003); smaller is slower and more exact. The "
-        "control period is the multiple nearest to 0.009, less for small robots, if "
-        "the scenario has none",
+        "control period is the multiple nearest to 0.009, if the scenario has none",
     )
     robot.add_argument(
         "--set",

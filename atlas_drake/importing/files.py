@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -191,6 +191,18 @@ def _add_joint(root: Any, joint: Any) -> None:
     kind.text = "transmission_interface/SimpleTransmission"
     etree.SubElement(transmission, "joint", name=joint.name)
     etree.SubElement(transmission, "actuator", name=joint.name)
+
+
+def add_rotors(urdf: Path, inertias: Mapping[str, float]) -> None:
+    """Adds rotor inertias to the motors of a URDF, at the joints [kg·m²]."""
+    tree = etree.parse(str(urdf), etree.XMLParser(remove_blank_text=True))
+    for transmission in tree.iterfind("transmission"):
+        actuator = transmission.find("actuator")
+        inertia = inertias.get(actuator.get("name"))
+        if inertia is not None:
+            for name, value in (("rotor_inertia", inertia), ("gear_ratio", 1.0)):
+                etree.SubElement(actuator, f"{{{DRAKE}}}{name}", value=_text(value))
+    tree.write(str(urdf), pretty_print=True, xml_declaration=True, encoding="utf-8")
 
 
 def _add_frame(root: Any, name: str, link: str, X_LF: np.ndarray) -> None:

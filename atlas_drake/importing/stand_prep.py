@@ -19,8 +19,9 @@ from pydrake.solvers import Solve
 
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.importing.findings import FOUND, Findings, ImportRefused
-from atlas_drake.robot import Leg, RobotFile
+from atlas_drake.importing.findings import FOUND, GUESSED, Findings, ImportRefused
+from atlas_drake.importing.repairs import listed
+from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
 
@@ -46,6 +47,9 @@ LIMB_GAINS = {"back": 1.3, "neck": 0.05, "arm": 0.3, "hand": 0.02}
 """Default position gains, in weights times heights of the center of mass [1/rad]."""
 DAMPING = 0.02
 """Default derivative gain per position gain and root of the height [s/√m]."""
+LEG_INERTIA, OTHER_INERTIA = 1e-4, 1e-5
+"""Least inertia about a joint of a leg, and of others, per mass and squared height of
+the center of mass [-]; Atlas' ankle roll has 1.2e-4."""
 SLOWEST_TICK = 0.009
 """Control period with which a derivative gain must be stable [s]."""
 
@@ -227,6 +231,34 @@ def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:
         context, JacobianWrtVariable.kV, frame, np.zeros(3), world, world
     )
     return J
+
+
+def rotor_inertias(file: RobotFile, plant: Any, findings: Findings) -> dict[str, float]:
+    """Returns rotor inertias for joints that turn hardly any inertia [kg·m²].
+
+    URDF files have the links' inertias only. A foot that is light without its motors
+    spins by tens of rad/s before the ground that the controller counts on is there.
+    """
+    context = plant.CreateDefaultContext()
+    for joint in file.joints:
+        plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
+    scale = plant.CalcTotalMass(context) * _com_height(plant, context, file) ** 2
+    M = plant.CalcMassMatrix(context)
+    found = {}
+    for joint in file.joints:
+        at = plant.GetJointByName(joint.name).velocity_start()
+        share = LEG_INERTIA if joint.limb in LEGS else OTHER_INERTIA
+        missing = share * scale - float(M[at, at])
+        if missing > 0.0:
+            found[joint.name] = missing
+    if found:
+        least, most = min(found.values()), max(found.values())
+        findings.add(
+            GUESSED,
+            f"rotor inertia of {least:.1g} to {most:.1g} kg·m², as the links alone are "
+            f"too light: {listed(list(found))}",
+        )
+    return found
 
 
 def _gains(

@@ -9,7 +9,6 @@ from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.config import as_plain, joined
 from atlas_drake.errors import ScenarioError
-from atlas_drake.robot import size_to_scale_by
 from atlas_drake.scenario.physics import nominal_period
 from atlas_drake.scenario.scenario import Scenario
 from atlas_drake.scenario.world_file import load_world
@@ -74,9 +73,7 @@ def changed_fields(scenario: Scenario) -> dict[str, Any]:
 def usual_of(scenario: Scenario) -> dict[str, Any]:
     """Returns all fields as they would be for the robot without a scenario."""
     usual = as_plain(Scenario(model=scenario.model).resolved())
-    usual["control_period"] = nominal_period(
-        scenario.physics_step, size_to_scale_by(scenario.model)
-    )
+    usual["control_period"] = nominal_period(scenario.physics_step)
     usual["plant"]["time_step"] = scenario.physics_step
     return dict(usual)
 

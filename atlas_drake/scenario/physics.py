@@ -17,30 +17,18 @@ from pydrake.systems.analysis import (
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
-from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.errors import ScenarioError
-from atlas_drake.robot import Size
 
 NOMINAL_PERIOD = 0.009
-"""Control period that is chosen for Atlas and its kin, up to rounding [s]."""
-SCALED_PERIOD = 0.0081
-"""The same for a robot of Atlas' height whose values scale [s]; it goes with the root
-of the height. At 9 ms G1 with narrow soles fell in 3 of 40 disturbed starts, at 6 ms in
-none."""
+"""Control period that is chosen for the user, up to rounding [s]."""
 _BITS = 53 - 22
 """Bits of a step with which its first 2**22 multiples are exact: more than an hour of
 1 ms steps."""
 
 
-def nominal_period(physics_step: float, size: Size | None) -> float:
-    """Returns the multiple of ``physics_step`` nearest to the period of a robot [s].
-
-    ``size`` is that of the robot if its values scale, else None.
-    """
-    wanted = NOMINAL_PERIOD
-    if size is not None:
-        wanted = SCALED_PERIOD * math.sqrt(min(size.height / ATLAS.height, 1.0))
-    return round(max(round(wanted / physics_step), 1) * physics_step, 12)
+def nominal_period(physics_step: float) -> float:
+    """Returns the multiple of ``physics_step`` nearest to ``NOMINAL_PERIOD`` [s]."""
+    return round(max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step, 12)
 
 
 def is_multiple(control_period: float, physics_step: float) -> bool:

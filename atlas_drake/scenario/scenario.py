@@ -170,7 +170,7 @@ class Scenario(CheckedOnce):
     rather than in ``plant`` because joint controllers and sensors share the step."""
     control_period: NotNegative = 0.0
     """Step of the behaviors [s], a multiple of physics_step; 0 for the multiple that is
-    nearest to 9 ms, and for smaller robots less."""
+    nearest to NOMINAL_PERIOD, 9 ms."""
     plant: Annotated[MultibodyPlantConfig, OfDrake()] = field(
         default_factory=plant_config
     )
@@ -250,9 +250,7 @@ class Scenario(CheckedOnce):
             behaviors: Entries of the user's own behaviors.
         """
         valid = self.validate()
-        period = valid.control_period or nominal_period(
-            valid.physics_step, size_to_scale_by(valid.model)
-        )
+        period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
         return replace(
             valid,

@@ -253,3 +253,18 @@ def test_a_color_may_be_that_of_a_material_of_the_whole_file(imported):
          r'\1<material name="sky"/>\3'),
     )  # fmt: skip
     assert 'rgba="0.1 0.2 0.9 1"' in robot.urdf.read_text()
+
+
+def test_a_foot_that_is_too_light_without_its_motors_gets_their_inertia(imported):
+    light = (
+        r'(<link name="\w+_foot">.*?<mass value=")[^"]*(".*?<inertia )[^/]*/>',
+        r'\g<1>0.2\g<2>ixx="1e-5" ixy="0" ixz="0" iyy="2e-4" iyz="0" izz="2e-4" />',
+    )
+    robot, findings = imported(light)
+    (said,) = [text for text in findings.of("guessed") if "rotor inertia" in text]
+    assert "left_ankle_roll" in said
+    plant = robot.plant
+    M = plant.CalcMassMatrix(plant.CreateDefaultContext())
+    at = plant.GetJointByName("left_ankle_roll").velocity_start()
+    assert M[at, at] == pytest.approx(1e-4 * robot.mass * robot.com_height**2, rel=0.02)
+    assert "rotor_inertia" not in imported()[0].urdf.read_text()

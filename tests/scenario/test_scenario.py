@@ -16,7 +16,6 @@ from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.config import as_plain, read_yaml
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
@@ -75,7 +74,7 @@ def test_every_physics_step_that_divides_the_control_period_is_accepted(step, pe
     [(0.003, 0.009), (0.002, 0.008), (0.001, 0.009), (1e-5, 0.009), (0.0025, 0.01)],
 )
 def test_a_physics_step_alone_gets_the_nearest_control_period(step, period):
-    assert nominal_period(step, None) == period
+    assert nominal_period(step) == period
     scenario = Scenario(physics_step=step)
     assert scenario.resolved().control_period == period
     # The scenario itself still has none, whatever its step will be.
@@ -280,11 +279,3 @@ def test_a_configuration_made_with_drakes_defaults_is_the_stations():
     assert plant.time_step == pytest.approx(0.0005, rel=1e-9)
     assert not plant.use_sampled_output_ports
     assert plant.discrete_contact_approximation == "sap"
-
-
-@pytest.mark.parametrize(
-    ("height", "period"), [(0.4, 0.006), (0.9, 0.009), (3.0, 0.009)]
-)
-def test_the_controller_of_a_small_robot_is_faster(height, period):
-    size = dataclasses.replace(ATLAS, height=height)
-    assert nominal_period(0.003, size) == period
