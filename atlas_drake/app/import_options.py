@@ -32,7 +32,9 @@ def add_import_command(commands: Any) -> None:
         metavar="FOLDER",
         help="where to write (default: a folder with the robot's name)",
     )
-    command.add_argument("--name", metavar="NAME", help="name of the robot")
+    command.add_argument(
+        "--name", metavar="NAME", help="name of the folder, and so of the robot"
+    )
     command.add_argument(
         "--package",
         action="append",

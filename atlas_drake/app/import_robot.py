@@ -7,11 +7,17 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.outputs import quiet_logs
 from atlas_drake.app.progress import StatusLine
 from atlas_drake.errors import AtlasError
+from atlas_drake.visualization.film_file import FilmError
+
+if TYPE_CHECKING:
+    from atlas_drake.importing.findings import Findings
+    from atlas_drake.robot import Robot
 
 LONGEST = 50.0
 """Wall time after which nothing further is tried [s]."""
@@ -49,14 +55,24 @@ def run_import(options: argparse.Namespace) -> int:
     progress.say(f"{source}")
     findings = Findings(progress.say)
     progress.show("Reading links, joints and meshes ...")
-    robot = import_robot(source, folder.absolute(), chosen, findings)
+    try:
+        robot = import_robot(source, folder.absolute(), chosen, findings)
+    except OSError as error:
+        raise AtlasError(f"{error.filename}: {error.strerror}") from None
     progress.say(f"Wrote {folder}/robot.yaml")
     if options.no_trial:
         return exit_status.OK
     return _try(robot, folder, findings, deadline, progress)
 
 
-def _try(robot, folder, findings, deadline, progress) -> int:  # type: ignore[no-untyped-def]
+def _try(
+    robot: Robot,
+    folder: Path,
+    findings: Findings,
+    deadline: float,
+    progress: StatusLine,
+) -> int:
+    """Lets the robot stand, walk and be pushed, and writes the report."""
     from atlas_drake.importing.report import results, write_page, write_picture
     from atlas_drake.importing.trial import try_robot
 
@@ -69,8 +85,11 @@ def _try(robot, folder, findings, deadline, progress) -> int:  # type: ignore[no
             progress.say(f"{name}: {value}")
         progress.show("Drawing ...")
         write_page(trial, robot, findings, folder / "report.md")
-        write_picture(log, trial, robot, folder / "report.png")
-    progress.say(f"Wrote {folder}/report.md and report.png")
+        try:
+            write_picture(log, trial, robot, folder / "report.png")
+        except FilmError as error:
+            progress.say(f"! there is no picture: {error}")
+    progress.say(f"Wrote the report: {folder}/report.md")
     progress.say(f"Try it: atlas-drake teleop --model {folder}/robot.yaml")
     done = trial.stands and trial.walks
     return exit_status.OK if done else exit_status.FAILED

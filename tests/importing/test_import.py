@@ -210,6 +210,9 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
     assert "nobody: there is no such file" in capsys.readouterr().err
     assert main(["import", "nobody.sdf"]) == 2
     assert "no such .urdf file" in capsys.readouterr().err
+    (tmp_path / "taken").write_text("")
+    assert main(["import", str(source), "--no-trial", "--out", "taken/bird"]) == 2
+    assert re.search("error: .*taken.*: Not a directory", capsys.readouterr().err)
     (tmp_path / "world.sdf").write_text("<sdf/>")
     assert main(["import", "world.sdf"]) == 2
     assert "only URDF is read" in capsys.readouterr().err
