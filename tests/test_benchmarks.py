@@ -134,6 +134,16 @@ def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+def test_an_imported_robot_walks_at_a_froude_number():
+    with AtlasSimulation(Scenario()) as sim:
+        done = module_of("robots").speed(sim, {"froude": 0.06})
+        height = sim.robot.com_height
+    assert done["stands"]
+    assert done["froude_number"] == pytest.approx(0.06, rel=0.15)
+    assert done["speed"] ** 2 == pytest.approx(done["froude_number"] * 9.81 * height)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("walks", [False, True])
 def test_an_imported_robot_is_pushed(walks):
     parameters = {"walks": walks, "speed": 0.2, "direction": "left"}

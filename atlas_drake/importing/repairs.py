@@ -23,6 +23,9 @@ USUAL_SPEED = 10.0
 """Velocity limit where a file has none [rad/s]."""
 USUAL_EFFORT = 0.3
 """Effort limit where a file has none, per weight: Atlas' knee has 0.25 [m]."""
+USUAL_DAMPING = 1e-3
+"""Damping where a file has none, per effort limit [s/rad]: Atlas' joints have 0.1
+N·m·s/rad. Without any, soles of JVRC-1 that landed tilted chattered."""
 LEAST_MASS = 1e-3
 """Mass of a moving link without one [kg]."""
 LEAST_RADIUS = 0.005
@@ -125,8 +128,10 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"velocity limit {USUAL_SPEED:g} rad/s"
             guessed.setdefault(text, []).append(joint.name)
         joint.limit, joint.type = limit, "revolute"
-        if joint.dynamics is not None:
-            joint.dynamics.friction = None
+        if not float(getattr(joint.dynamics, "damping", None) or 0.0):
+            joint.dynamics = urdf.Dynamics(damping=USUAL_DAMPING * limit.effort)
+            text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
+            guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
         findings.add(GUESSED, f"{text}, where the file has none: {listed(names)}")
 

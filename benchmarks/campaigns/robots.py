@@ -1,4 +1,6 @@
-"""Imported robots: twenty steps, and pushes; limits are in ``robots.yaml``.
+"""Imported robots: twenty steps, pushes, and speed.
+
+The limits are in ``robots.yaml``, ``robot_pushes.yaml`` and ``robot_speeds.yaml``.
 
     python benchmarks/campaigns/robots.py
 
@@ -17,6 +19,7 @@ from typing import Any
 from atlas_drake import AtlasSimulation, Behavior, StepStream, steps_ahead
 from atlas_drake.app.main import main
 from atlas_drake.behaviors.scaling import ATLAS
+from atlas_drake.control.whole_body.model import GRAVITY
 
 ROBOTS = ("talos", "g1", "icub", "romeo", "jvrc", "alexander")
 FOLDER = Path(__file__).parents[2] / "build" / "robots"
@@ -28,6 +31,9 @@ STANDING = 1.5
 """Time in STAND before the first step or push, and at the end [s]."""
 PUSH_DURATION = 0.1
 """[s]"""
+FAST_WAY, FAST_FROM, FAST_TO = 7.0, 2.5, 5.0
+"""Way of a fast walk, and the part of it in which its speed is measured, in heights of
+the center of mass [-]."""
 PUSHED_WALK = 8
 """Steps of a walk with a push, which comes somewhere in two steps after the third."""
 LONGEST = 30.0
@@ -85,6 +91,43 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
     return {
         "stands": _stands(sim),
         "all_steps": taken.issuperset(range(1, steps + 1)),
+    }
+
+
+def speed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Walks ahead at a speed of a ``froude`` number v²/(g·h).
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``froude`` [-].
+
+    Returns:
+        Whether the robot stands in the end, the ``speed`` [m/s] of the middle of the
+        walk, and its ``froude_number`` [-].
+    """
+    sim.advance(STANDING)
+    h, gait = sim.robot.com_height, sim.scenario.controller_config().gait()
+    desired = math.sqrt(float(parameters["froude"]) * GRAVITY * h)
+    report = sim.atlas_sim_interface_state
+    stream = StepStream(steps_ahead(report, FAST_WAY * h, gait, desired))
+    begin = float(sim.pelvis_pose.translation()[0])
+    passed: list[tuple[float, float]] = []
+    while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(POLL)
+        way = float(sim.pelvis_pose.translation()[0]) - begin
+        if FAST_FROM * h < way < FAST_TO * h:
+            passed.append((sim.time, way))
+    reached = 0.0
+    if len(passed) > 1:
+        (t0, x0), (t1, x1) = passed[0], passed[-1]
+        reached = (x1 - x0) / (t1 - t0)
+    return {
+        "stands": _stands(sim),
+        "speed": reached,
+        "froude_number": reached**2 / (GRAVITY * h),
     }
 
 

@@ -117,17 +117,21 @@ def test_what_cannot_be_is_repaired_and_said(imported):
         (r'(<link name="trunk">.*?<inertia )[^/]*/>',
          r'\g<1>ixx="9" ixy="0" ixz="0" iyy="1" iyz="0" izz="1" />'),
         (r'(<joint name="right_shoulder" )type="revolute"', r'\1type="prismatic"'),
+        (r'(<joint name="left_shoulder".*?<dynamics damping=")[^"]*"', r'\g<1>0"'),
         limits("waist_yaw", 'lower="-1" upper="1" effort="0" velocity="0"'),
         (r"</robot>", '<link name="world"/><joint name="free" type="floating">'
          '<parent link="world"/><child link="hips"/></joint></robot>'),
     )  # fmt: skip
     said = "\n".join(findings.of("repaired") + findings.of("guessed"))
+    shoulder = robot.plant.GetJointByName("left_shoulder")
+    assert shoulder.default_damping() == pytest.approx(1e-3 * 60.0)
     for words in (
         "inertia that no body has, that of its shape taken: trunk",
         "fixed as prismatic is not simulated: right_shoulder",
         "effort limit 127 N·m, where the file has none: waist_yaw",
         "velocity limit 10 rad/s, where the file has none: waist_yaw",
         "link world and joint free are no parts",
+        "damping of 0.001 s/rad of the effort limit, where the file has none: left_sh",
     ):
         assert words in said
     assert "right_shoulder" not in robot.joint_names
