@@ -15,7 +15,8 @@ def add_import_command(commands: Any) -> None:
         description="Find the limbs and soles of a humanoid, repair what simulation "
         "cannot use, write robot.yaml, a URDF and meshes, and try the robot: it "
         "stands, walks and is pushed. Takes up to a minute. Needs "
-        '`pip install "atlas-drake[import]"`; the extra `robots` brings ten robots.',
+        '`pip install "atlas-drake[import]"`; the extra `robots` brings TALOS, G1, '
+        "iCub, Romeo and JVRC-1.",
         epilog="exit status: 0 the robot stands and walks, 1 it does not (its files "
         "are written), 2 the file cannot become a robot",
     )
