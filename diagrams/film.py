@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform
 
 from atlas_drake.diagrams.replay import make_replay_station
 from atlas_drake.logs import Log
+from atlas_drake.records import TickRecord
 from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
@@ -21,7 +23,7 @@ from atlas_drake.visualization.film_camera import FilmCamera, looking_at
 from atlas_drake.visualization.film_file import FilmFile
 from atlas_drake.visualization.film_stage import FilmStage, Picture
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.shapes import shapes_of
+from atlas_drake.visualization.shapes import Shape, shapes_of
 
 RATE = 25
 """Pictures per simulated second [1/s]."""
@@ -45,27 +47,14 @@ def photograph(
     Raises:
         FilmError: If the robot cannot be drawn.
     """
-    robot = log.robot
     lens, target = np.array(view.lens), np.array(view.target)
-    stages: list[FilmStage] = []
+    studio = _Studio(log, size, looking_at(lens - target, np.zeros(3)))
 
-    def set_up(scene_graph: SceneGraph) -> None:
-        X_TC = looking_at(lens - target, np.zeros(3))
-        stages.append(FilmStage(scene_graph, robot, size, X_TC))
-
-    station = make_replay_station(log, world_of(log.scenario.all_models()), set_up)
-    context: Any = station.CreateDefaultContext()
-    scene_graph = station.GetSubsystemByName("scene_graph")
-    scene_context = scene_graph.GetMyMutableContextFromRoot(context)
-    pictures = []
-    for time in times:
-        context.SetTime(time)
-        record = station.GetOutputPort("record").Eval(context)
+    def camera(record: TickRecord) -> RigidTransform:
         place = np.append(record.pelvis.position[:2], 0.0)
-        query = station.GetOutputPort("query_object").Eval(context)
-        X_WC = looking_at(lens + place, target + place)
-        pictures.append(stages[0].picture(scene_context, query, (), None, X_WC))
-    return pictures
+        return looking_at(lens + place, target + place)
+
+    return [studio.picture(time, camera) for time in times]
 
 
 def film(
@@ -106,33 +95,57 @@ def film(
         LogError: If this version of the program cannot read the log's scenario.
     """
     overlays = Overlays(show)
-    robot, scenario = log.robot, log.scenario
+    scenario = log.scenario
     if view is None and "follow" not in overlays.on:
         view = scenario.surroundings().view
     camera = FilmCamera(view, 1.0 / RATE)
     with FilmFile(Path(path), RATE, size) as file:
-        stages: list[FilmStage] = []
-
-        def set_up(scene_graph: SceneGraph) -> None:
-            stages.append(FilmStage(scene_graph, robot, size, camera.X_TC))
-
-        beside_robot = (*world_of(scenario.all_models()), *world)
-        station = make_replay_station(log, beside_robot, set_up)
-        context: Any = station.CreateDefaultContext()
-        scene_graph = station.GetSubsystemByName("scene_graph")
-        scene_context = scene_graph.GetMyMutableContextFromRoot(context)
+        studio = _Studio(log, size, camera.X_TC, overlays, world)
         begin, end = float(log.time[0]), float(log.time[-1])
         for number in range(math.floor((end - begin) * RATE + 1e-6) + 1):
             time = begin + number / RATE
-            context.SetTime(time)
-            record = station.GetOutputPort("record").Eval(context)
-            picture = stages[0].picture(
-                scene_context,
-                station.GetOutputPort("query_object").Eval(context),
-                shapes_of(record, overlays.on, robot.file.sole),
-                joint_colors(record, overlays.on, robot),
-                camera.pose(record),
-            )
-            file.add(picture)
+            file.add(studio.picture(time, camera.pose))
             on_picture(time)
     return file.num_frames
+
+
+class _Studio:
+    """Replays a log before a camera."""
+
+    def __init__(
+        self,
+        log: Log,
+        size: tuple[int, int],
+        X_TC: RigidTransform,
+        overlays: Overlays | None = None,
+        world: Sequence[WorldMaker] = (),
+    ) -> None:
+        """Sets up the scene for pictures of this size from X_TC, seen from a target.
+
+        Without overlays the robot is alone; with any, its footsteps are shown as well.
+        """
+        self._robot, self._overlays = log.robot, overlays
+        stages: list[FilmStage] = []
+
+        def set_up(scene_graph: SceneGraph) -> None:
+            stages.append(FilmStage(scene_graph, self._robot, size, X_TC))
+
+        beside_robot = (*world_of(log.scenario.all_models()), *world)
+        self._station = make_replay_station(log, beside_robot, set_up)
+        self._context: Any = self._station.CreateDefaultContext()
+        scene_graph = self._station.GetSubsystemByName("scene_graph")
+        self._scene = scene_graph.GetMyMutableContextFromRoot(self._context)
+        (self._stage,) = stages
+
+    def picture(
+        self, time: float, camera: Callable[[TickRecord], RigidTransform]
+    ) -> Picture:
+        """Takes the picture of a time [s], from where the camera is for its record."""
+        self._context.SetTime(time)
+        record = self._station.GetOutputPort("record").Eval(self._context)
+        query = self._station.GetOutputPort("query_object").Eval(self._context)
+        shapes, colors = list[Shape](), None
+        if self._overlays is not None:
+            shapes = shapes_of(record, self._overlays.on, self._robot.file.sole)
+            colors = joint_colors(record, self._overlays.on, self._robot)
+        return self._stage.picture(self._scene, query, shapes, colors, camera(record))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from atlas_drake.importing.findings import (
 from atlas_drake.importing.options import HEADINGS, ImportOptions
 from atlas_drake.importing.repairs import fix, listed, turn_root
 from atlas_drake.importing.tree import Tree
+from atlas_drake.robot import LEGS, LIMBS
 
 NUM_LEG_JOINTS, KNEE = 6, 3
 MOST_ARM_JOINTS = 7
@@ -46,7 +47,6 @@ class Anatomy:
         chest: Link that balance keeps upright.
         feet: Links that the soles belong to.
         hands: Links of the hands; empty without arms.
-        legs: The six joints of each leg, from the pelvis down.
         limbs: Limb by joint.
     """
 
@@ -54,8 +54,7 @@ class Anatomy:
     chest: str
     feet: tuple[str, str]
     hands: tuple[str, ...]
-    legs: tuple[list[Any], list[Any]]
-    limbs: dict[str, str] = field(default_factory=dict)
+    limbs: dict[str, str]
 
 
 def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anatomy:
@@ -67,18 +66,13 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     poses = tree.poses()
     if options.feet is None and poses[feet[0]][1, 3] < poses[feet[1]][1, 3]:
         feet, legs = feet[::-1], legs[::-1]
-    for side, leg in zip(("left", "right"), legs, strict=True):
+    limbs: dict[str, str] = {}
+    for side, limb, leg in zip(("left", "right"), LEGS, legs, strict=True):
         _check_leg(side, leg)
-    findings.add(FOUND, f"pelvis {tree.root}, feet {feet[0]} and {feet[1]}")
-    for side, leg in zip(("left", "right"), legs, strict=True):
+        limbs |= dict.fromkeys((joint.name for joint in leg), limb)
         findings.add(FOUND, f"{side} leg {', '.join(joint.name for joint in leg)}")
-    limbs = {
-        joint.name: limb
-        for limb, leg in zip(("l_leg", "r_leg"), legs, strict=True)
-        for joint in leg
-    }
-    anatomy = Anatomy(tree.root, tree.root, (feet[0], feet[1]), (), (legs[0], legs[1]))
-    anatomy.limbs = limbs
+    findings.add(FOUND, f"pelvis {tree.root}, feet {feet[0]} and {feet[1]}")
+    anatomy = Anatomy(tree.root, tree.root, (feet[0], feet[1]), (), limbs)
     _find_upper_body(tree, anatomy, options, findings)
     loose = [
         joint
@@ -90,9 +84,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     if loose:
         names = listed([joint.name for joint in loose])
         findings.add(REPAIRED, f"fixed as part of a hand, or of no limb: {names}")
-    order = ("back", "neck", "l_leg", "r_leg", "l_arm", "r_arm", "l_hand", "r_hand")
     anatomy.limbs = {
-        name: limb for one in order for name, limb in limbs.items() if limb == one
+        name: limb for one in LIMBS for name, limb in limbs.items() if limb == one
     }
     return anatomy
 
@@ -100,10 +93,7 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
 def _feet(tree: Tree, options: ImportOptions) -> list[str]:
     """Finds the two lowest ends of chains of moving joints."""
     if options.feet is not None:
-        for name in options.feet:
-            if name not in tree.links:
-                raise ImportRefused(f"--feet: there is no link {name}")
-        return [tree.body_of(name) for name in options.feet]
+        return [tree.body_named("feet", name) for name in options.feet]
     poses = tree.poses()
     ends = []
     for joint in tree.joints.values():
@@ -121,7 +111,7 @@ def _feet(tree: Tree, options: ImportOptions) -> list[str]:
             found.append((link, chain))
         if len(found) == 2:
             break
-    lowest = [end for _, link, chain in ends for end, other in found if end == link]
+    lowest = [link for link, _ in found]
     found = [one for one in found if _reaches_down(tree, *one, poses)]
     if len(found) < 2:
         raise ImportRefused(
@@ -222,9 +212,7 @@ def _find_upper_body(
         beside = [joint for joint in branches if joint is not trunk]
         branches = [*_branches(tree, chest, limbs), *beside]
     if options.chest is not None:
-        if options.chest not in tree.links:
-            raise ImportRefused(f"--chest: there is no link {options.chest}")
-        chest = tree.body_of(options.chest)
+        chest = tree.body_named("chest", options.chest)
     anatomy.chest = chest
     height = abs(poses[chest][2, 3] - poses[anatomy.feet[0]][2, 3])
     ends: dict[str, str] = {}
@@ -239,10 +227,7 @@ def _find_upper_body(
         ends[limb] = _name_chain(tree, joint, limb, limbs, options.fingers)
     arms = [limb for limb in ("l_arm", "r_arm") if limb in ends]
     if options.hands is not None:
-        for name in options.hands:
-            if name not in tree.links:
-                raise ImportRefused(f"--hands: there is no link {name}")
-        anatomy.hands = tuple(tree.body_of(name) for name in options.hands)
+        anatomy.hands = tuple(tree.body_named("hands", name) for name in options.hands)
     elif len(arms) == 2:
         anatomy.hands = tuple(ends[limb] for limb in arms)
     else:

@@ -206,20 +206,18 @@ def add_rotors(urdf: Path, inertias: Mapping[str, float]) -> None:
 
 
 def _add_frame(root: Any, name: str, link: str, X_LF: np.ndarray) -> None:
-    frame = etree.SubElement(root, "frame", name=name, link=link)
-    frame.set("xyz", _text(*X_LF[:3, 3]))
-    frame.set("rpy", _text(*_rpy(X_LF)))
+    etree.SubElement(root, "frame", name=name, link=link, **_pose(X_LF))
 
 
-def _add_origin(element: Any, X: np.ndarray | None) -> None:
-    if X is not None:
-        place, turn = _text(*X[:3, 3]), _text(*_rpy(X))
-        etree.SubElement(element, "origin", xyz=place, rpy=turn)
+def _add_origin(element: Any, X: np.ndarray) -> None:
+    etree.SubElement(element, "origin", **_pose(X))
 
 
-def _rpy(X: np.ndarray) -> Any:
+def _pose(X: np.ndarray) -> dict[str, str]:
+    """Returns place and angles of a pose as attributes."""
     rotation = RotationMatrix.ProjectToRotationMatrix(X[:3, :3])
-    return rotation.ToRollPitchYaw().vector()
+    angles = rotation.ToRollPitchYaw().vector()
+    return {"xyz": _text(*X[:3, 3]), "rpy": _text(*angles)}
 
 
 def _text(*numbers: float) -> str:

@@ -29,7 +29,7 @@ from atlas_drake.importing.repairs import (
 )
 from atlas_drake.importing.soles import Soles, find_soles
 from atlas_drake.importing.source import resolve
-from atlas_drake.importing.stand_prep import find_stand_prep, parsed, rotor_inertias
+from atlas_drake.importing.stand_prep import find_stand_prep, parsed
 from atlas_drake.importing.tree import Tree
 from atlas_drake.robot import (
     FootEntry,
@@ -64,9 +64,9 @@ def import_robot(
     repair_inertias(tree, meshes, findings)
     soles = find_soles(tree, anatomy, meshes, options, findings)
     urdf = write_urdf(tree, anatomy, soles, meshes, folder, findings)
-    plant = parsed(urdf)
-    file = find_stand_prep(_robot_file(tree, anatomy, soles), plant, findings)
-    add_rotors(urdf, rotor_inertias(file, plant, findings))
+    unposed = _robot_file(tree, anatomy, soles)
+    file, rotors = find_stand_prep(unposed, parsed(urdf), findings)
+    add_rotors(urdf, rotors)
     file = clear_arms(urdf, file, findings)
     file = replace(file, no_collisions=overlapping(urdf, file, findings))
     notes = [text for kind in (REPAIRED, GUESSED) for text in findings.of(kind)]

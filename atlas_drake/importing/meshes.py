@@ -5,7 +5,7 @@ Reading, hulls, simplification and writing are trimesh's.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +60,15 @@ class MeshLibrary:
         scale = np.ones(3) if mesh.scale is None else np.asarray(mesh.scale, float)
         X = np.diag([*np.broadcast_to(scale, 3), 1.0])
         return [one.copy().apply_transform(X) for one in self._known[path]]
+
+    def vertices(self, shapes: Iterable[Any], X: np.ndarray) -> np.ndarray:
+        """Returns the vertices of shapes' convex hulls, moved by X, shape (n, 3)."""
+        points = [np.zeros((0, 3))]
+        for shape in shapes:
+            seen = self.shape(shape.geometry)
+            if seen:
+                points.append(vertices_of(seen, X @ shape.origin))
+        return np.concatenate(points)
 
 
 def _read(path: Path) -> Shape:

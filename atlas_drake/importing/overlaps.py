@@ -47,6 +47,10 @@ class Shapes:
         self.joints = [self.plant.GetJointByName(joint.name) for joint in file.joints]
         self.lower = np.array([j.position_lower_limit() for j in self.joints])
         self.upper = np.array([j.position_upper_limit() for j in self.joints])
+        self._moved = [
+            set(self.plant.GetBodiesKinematicallyAffectedBy([joint.index()]))
+            for joint in self.joints
+        ]
         self.apart = APART * math.sqrt(file.sole.length * file.sole.width)
 
     def _put(self, pose: np.ndarray) -> None:
@@ -64,47 +68,31 @@ class Shapes:
             if pair.depth > OVERLAP:
                 yield one, other, pair.depth
 
-    def beyond(self, places: list[int]) -> set[int]:
-        """Returns the bodies that more joints of an arm move than its shoulder's."""
-        return {
-            int(index)
-            for place in places[SHOULDER:]
-            for index in self.plant.GetBodiesKinematicallyAffectedBy(
-                [self.joints[place].index()]
-            )
-        }
+    def clearance(self, pose: np.ndarray, arm: list[int]) -> float:
+        """Returns the least distance of forearm and hand from the rest of the body [m].
 
-    def clearance(self, pose: np.ndarray, places: list[int], far: set[int]) -> float:
-        """Returns the least distance of bodies ``far`` along an arm from the rest [m].
-
-        ``places`` are the arm's joints; distances above ``apart`` count as that.
+        ``arm`` are the places of its joints; distances above ``apart`` count as that.
         """
         self._put(pose)
-        own = {
-            int(index)
-            for index in self.plant.GetBodiesKinematicallyAffectedBy(
-                [self.joints[place].index() for place in places]
-            )
-        }
+        own = set().union(*(self._moved[place] for place in arm))
+        far = set().union(*(self._moved[place] for place in arm[SHOULDER:]))
         query = self.plant.get_geometry_query_input_port().Eval(self._context)
         least = self.apart
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(self.apart):
             frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
             one, other = (
-                int(self.plant.GetBodyFromFrameId(frame).index()) for frame in frames
+                self.plant.GetBodyFromFrameId(frame).index() for frame in frames
             )
             if (one in far and other not in own) or (other in far and one not in own):
                 least = min(least, float(pair.distance))
         return least
 
-    def moved_by(self, body: Any) -> set[int]:
-        """Returns the joints that move a body, by their places in message order."""
-        return {
-            place
-            for place, joint in enumerate(self.joints)
-            if body.index()
-            in self.plant.GetBodiesKinematicallyAffectedBy([joint.index()])
-        }
+    def joints_between(self, one: Any, other: Any) -> int:
+        """Returns the number of joints that move one body and not the other."""
+        return sum(
+            (one.index() in bodies) != (other.index() in bodies)
+            for bodies in self._moved
+        )
 
 
 def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
@@ -117,8 +105,7 @@ def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
     pose = np.array([joint.stand_prep for joint in file.joints])
     for arm in ("l_arm", "r_arm"):
         places = [k for k, joint in enumerate(file.joints) if joint.limb == arm]
-        far = shapes.beyond(places)
-        clearance = shapes.clearance(pose, places, far)
+        clearance = shapes.clearance(pose, places)
         best, name = pose, ""
         for turn, place, sign in itertools.product(
             SPREADS, places[:SHOULDER], (1.0, -1.0)
@@ -128,7 +115,7 @@ def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
             tried = pose.copy()
             tried[place] += sign * turn
             if shapes.lower[place] <= tried[place] <= shapes.upper[place]:
-                wider = shapes.clearance(tried, places, far)
+                wider = shapes.clearance(tried, places)
                 if wider > clearance + 1e-3 * shapes.apart:
                     clearance, best = wider, tried
                     name = f"{file.joints[place].name} at {tried[place]:.2f} rad"
@@ -154,8 +141,7 @@ def overlapping(urdf: Path, file: RobotFile, findings: Findings) -> list[list[st
         for one, other, depth in shapes.inside(
             np.clip(turned, shapes.lower, shapes.upper)
         ):
-            between = len(shapes.moved_by(one) ^ shapes.moved_by(other))
-            if sample == 0 or between <= NEAR_JOINTS:
+            if sample == 0 or shapes.joints_between(one, other) <= NEAR_JOINTS:
                 pair = (str(one.name()), str(other.name()))
                 found[pair] = max(depth, found.get(pair, 0.0))
     if found:

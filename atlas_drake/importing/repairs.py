@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import yourdfpy.urdf as urdf
 
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings, ImportRefused
-from atlas_drake.importing.meshes import MeshLibrary, vertices_of
+from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.tree import MOVING, Tree
 
 LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3
@@ -103,12 +104,12 @@ def turn_root(tree: Tree, yaw: float) -> None:
     if root.inertial is not None:
         shapes.append(root.inertial)
     for part in (*shapes, *tree.below(root.name)):
-        part.origin = X @ (np.eye(4) if part.origin is None else part.origin)
+        part.origin = X @ part.origin
 
 
 def repair_limits(tree: Tree, findings: Findings) -> None:
     """Gives moving joints limits of range, speed and effort where they have none."""
-    effort = USUAL_EFFORT * 9.81 * tree.mass_of(list(tree.links))
+    effort = USUAL_EFFORT * GRAVITY * tree.mass_of(list(tree.links))
     guessed: dict[str, list[str]] = {}
     for joint in tree.joints.values():
         if not tree.moves(joint):
@@ -142,8 +143,6 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
     for name, link in tree.links.items():
         inertial = link.inertial
         if inertial is not None:
-            if inertial.origin is None:
-                inertial.origin = np.eye(4)
             mass = float(inertial.mass or 0.0)
             if not math.isfinite(mass) or mass < 0.0:
                 raise ImportRefused(f"link {name}: its mass is {mass:g} kg")
@@ -197,15 +196,10 @@ def _box(
 ) -> np.ndarray:
     """Returns the inertia of the box about a link's shapes [kg·m²]."""
     link = tree.links[name]
-    points = []
-    for shape in link.collisions or link.visuals:
-        found = meshes.shape(shape.geometry)
-        if found:
-            X_LS = np.eye(4) if shape.origin is None else shape.origin
-            points.append(vertices_of(found, np.linalg.inv(X_LC) @ X_LS))
+    points = meshes.vertices(link.collisions or link.visuals, np.linalg.inv(X_LC))
     size = np.full(3, LEAST_RADIUS)
-    if points:
-        size = np.maximum(np.ptp(np.concatenate(points), axis=0), LEAST_RADIUS)
+    if len(points):
+        size = np.maximum(np.ptp(points, axis=0), LEAST_RADIUS)
     x, y, z = size**2
     return mass / 12.0 * np.diag([y + z, x + z, x + y])
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from atlas_drake.importing.anatomy import Anatomy
 from atlas_drake.importing.findings import FOUND, GUESSED, Findings, ImportRefused
-from atlas_drake.importing.meshes import MeshLibrary, vertices_of
+from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.tree import Tree
 
@@ -86,17 +86,14 @@ def _points(
 ) -> tuple[np.ndarray, str]:
     """Returns the vertices of a foot's shapes in the root's frame, and their kind."""
     for kind in ("collision", "visual"):
-        points = []
-        for part in tree.all_below(foot):
-            link = tree.links[part]
-            shapes = link.collisions if kind == "collision" else link.visuals
-            for shape in shapes:
-                seen = meshes.shape(shape.geometry)
-                if seen:
-                    origin = np.eye(4) if shape.origin is None else shape.origin
-                    points.append(vertices_of(seen, X[part] @ origin))
-        if points:
-            return np.concatenate(points), kind
+        points = np.concatenate(
+            [
+                meshes.vertices(getattr(tree.links[part], f"{kind}s"), X[part])
+                for part in tree.all_below(foot)
+            ]
+        )
+        if len(points):
+            return points, kind
     return np.zeros((0, 3)), ""
 
 

@@ -65,10 +65,12 @@ def parsed(urdf: Path) -> Any:
     return plant
 
 
-def find_stand_prep(file: RobotFile, plant: Any, findings: Findings) -> RobotFile:
-    """Returns the file with the stand-prep pose and gains of its joints.
+def find_stand_prep(
+    file: RobotFile, plant: Any, findings: Findings
+) -> tuple[RobotFile, dict[str, float]]:
+    """Returns the file with pose and gains of its joints, and rotor inertias [kg·m²].
 
-    ``file`` has its joints at zero.
+    ``file`` has its joints at zero; joints that need no rotor inertia are left out.
     """
     try:
         legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
@@ -86,19 +88,18 @@ def find_stand_prep(file: RobotFile, plant: Any, findings: Findings) -> RobotFil
         joint.set_angle(context, angle)
     _check_efforts(plant, context, file, joints, legs)
     height = _com_height(plant, context, file)
-    gains = _gains(plant, context, file, joints, legs, height)
+    mass, inertias = plant.CalcTotalMass(context), _inertias(plant, context, joints)
+    gains = _gains(file, legs, mass, height, inertias)
     findings.add(
         FOUND,
-        f"{plant.CalcTotalMass(context):.1f} kg, center of mass {height:.3f} m high, "
-        f"{len(joints)} joints",
+        f"{mass:.1f} kg, center of mass {height:.3f} m high, {len(joints)} joints",
     )
-    return replace(
-        file,
-        joints=[
-            replace(joint, stand_prep=round(float(angle), 5), kp=kp, kd=kd)
-            for joint, angle, (kp, kd) in zip(file.joints, angles, gains, strict=True)
-        ],
-    )
+    rotors = _rotor_inertias(file, mass * height**2, inertias, findings)
+    posed = [
+        replace(joint, stand_prep=round(float(angle), 5), kp=kp, kd=kd)
+        for joint, angle, (kp, kd) in zip(file.joints, angles, gains, strict=True)
+    ]
+    return replace(file, joints=posed), rotors
 
 
 def _bend(
@@ -233,24 +234,26 @@ def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:
     return J
 
 
-def rotor_inertias(file: RobotFile, plant: Any, findings: Findings) -> dict[str, float]:
+def _inertias(plant: Any, context: Any, joints: list[Any]) -> list[float]:
+    """Returns the inertia that each joint turns [kg·m²]."""
+    M = plant.CalcMassMatrix(context)
+    starts = [joint.velocity_start() for joint in joints]
+    return [float(M[start, start]) for start in starts]
+
+
+def _rotor_inertias(
+    file: RobotFile, scale: float, inertias: list[float], findings: Findings
+) -> dict[str, float]:
     """Returns rotor inertias for joints that turn hardly any inertia [kg·m²].
 
     URDF files have the links' inertias only. A foot that is light without its motors
     spins by tens of rad/s before the ground that the controller counts on is there.
     """
-    context = plant.CreateDefaultContext()
-    for joint in file.joints:
-        plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
-    scale = plant.CalcTotalMass(context) * _com_height(plant, context, file) ** 2
-    M = plant.CalcMassMatrix(context)
     found = {}
-    for joint in file.joints:
-        at = plant.GetJointByName(joint.name).velocity_start()
+    for joint, inertia in zip(file.joints, inertias, strict=True):
         share = LEG_INERTIA if joint.limb in LEGS else OTHER_INERTIA
-        missing = share * scale - float(M[at, at])
-        if missing > 0.0:
-            found[joint.name] = missing
+        if inertia < share * scale:
+            found[joint.name] = share * scale - inertia
     if found:
         least, most = min(found.values()), max(found.values())
         findings.add(
@@ -262,19 +265,17 @@ def rotor_inertias(file: RobotFile, plant: Any, findings: Findings) -> dict[str,
 
 
 def _gains(
-    plant: Any,
-    context: Any,
     file: RobotFile,
-    joints: list[Any],
     legs: tuple[Leg, Leg],
+    mass: float,
     height: float,
+    inertias: list[float],
 ) -> list[tuple[float, float]]:
     """Returns default kp and kd of each joint.
 
     They hold the stand-prep pose; a light link has no more than a slow tick bears.
     """
-    scale = GRAVITY * plant.CalcTotalMass(context) * height
-    inertia = plant.CalcMassMatrix(context)
+    scale = GRAVITY * mass * height
     per_kp = DAMPING * math.sqrt(height)
     roles: dict[int, str] = {}
     for leg in legs:
@@ -286,13 +287,12 @@ def _gains(
             leg.ankle_pitch: "ankle pitch",
         }
     gains = []
-    for place, (entry, joint) in enumerate(zip(file.joints, joints, strict=True)):
-        at = joint.velocity_start()
+    for place, (entry, inertia) in enumerate(zip(file.joints, inertias, strict=True)):
         if place in roles:
             kp = LEG_GAINS[roles[place]] * scale
         else:
             kind = entry.limb.removeprefix("l_").removeprefix("r_")
-            most = 0.5 * float(inertia[at, at]) / SLOWEST_TICK / per_kp
+            most = 0.5 * inertia / SLOWEST_TICK / per_kp
             kp = min(LIMB_GAINS[kind] * scale, most)
         gains.append((kp, per_kp * kp))
     return gains

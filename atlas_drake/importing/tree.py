@@ -6,7 +6,7 @@ Reading and writing are yourdfpy's; which joints move is decided here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +50,6 @@ class Tree:
             said = " ".join(str(error).split()) or type(error).__name__
             raise ImportRefused(f"{file}: is no URDF: {said}") from None
         robot = self.urdf.robot
-        self.name: str = robot.name or file.stem
         self.links: dict[str, Any] = {link.name: link for link in robot.links}
         self.joints: dict[str, Any] = {joint.name: joint for joint in robot.joints}
         self._check()
@@ -65,8 +64,6 @@ class Tree:
                 both = f"{above[joint.child]} and {joint.name}"
                 raise ImportRefused(f"link {joint.child}: hangs on two joints, {both}")
             above[joint.child] = joint.name
-            if joint.origin is None:
-                joint.origin = np.eye(4)
             if joint.axis is None:
                 joint.axis = np.array([1.0, 0.0, 0.0])
             if joint.type in MOVING:
@@ -74,6 +71,12 @@ class Tree:
                 if not length > 1e-6:
                     raise ImportRefused(f"joint {joint.name}: its axis is {joint.axis}")
                 joint.axis = np.asarray(joint.axis, dtype=float) / length
+        for link in self.links.values():
+            placed = [*link.visuals, *link.collisions]
+            if link.inertial is not None:
+                placed.append(link.inertial)
+            _place(placed)
+        _place(self.joints.values())
         roots = [name for name in self.links if name not in above]
         if len(roots) != 1:
             named = ", ".join(roots) or "none"
@@ -116,6 +119,12 @@ class Tree:
         if joint is None or self.moves(joint):
             return link
         return self.body_of(joint.parent)
+
+    def body_named(self, option: str, link: str) -> str:
+        """Returns the topmost link that the link of a user's option is fixed to."""
+        if link not in self.links:
+            raise ImportRefused(f"--{option}: there is no link {link}")
+        return self.body_of(link)
 
     def parts_of(self, link: str) -> list[str]:
         """Returns a link and all links below that are fixed to it."""
@@ -175,6 +184,13 @@ class Tree:
         """Returns the mass of links [kg]."""
         inertials = [self.links[name].inertial for name in links]
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
+
+
+def _place(parts: Iterable[Any]) -> None:
+    """Gives parts without an origin that of their link."""
+    for part in parts:
+        if part.origin is None:
+            part.origin = np.eye(4)
 
 
 def _check_numbers(root: Any) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.planning.step_stream import StepStream
@@ -20,12 +21,11 @@ STANDS, STEPS = 5.0, 6
 """Time of standing [s], and number of steps, of the first trial."""
 SETTLES = 1.5
 """Time in which a robot stands before a trial, and after a push [s]."""
-PUSH, PUSH_DURATION = 0.2, 0.1
-"""Speed by which the first push changes that of a robot of Atlas' height [m/s]; its
-duration [s]."""
-PUSHES = (0.2, 0.3, 0.4, 0.5)
+PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
+"""Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
+[s]."""
 STRIDES = (1.5, 2.0)
-"""Speeds of pushes [m/s], and strides in usual ones, that are tried."""
+"""Strides that are tried, in usual ones [-]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -107,7 +107,7 @@ def try_robot(
             }
         if trial.walks:
             say("a push")
-            trial.pushed = _bears(sim, PUSH * _scale(sim), DIRECTIONS["forward"])
+            trial.pushed = _bears(sim, PUSHES[0] * _scale(sim), DIRECTIONS["forward"])
         trial.real_time = sim.time / (time.perf_counter() - began)
         trial.moments = [min(moment, sim.time) for moment in trial.moments]
         trial.events = [
@@ -163,8 +163,6 @@ def _try_pushes(
 
 def _scale(sim: AtlasSimulation) -> float:
     """Returns the root of the robot's height over Atlas': pushes as Froude has them."""
-    from atlas_drake.behaviors.scaling import ATLAS
-
     return math.sqrt(sim.robot.com_height / ATLAS.height)
 
 
