@@ -38,9 +38,10 @@ ACROSS_SOLE = (
     "cop_inward",
 )
 """Parameters that scale with the width of the soles."""
-GAP = 0.05
-"""Least distance between the soles of feet side by side, in heights of the center of
-mass [-]."""
+CLEARANCE = 0.02
+"""Least distance between the soles in a step, in heights of the center of mass [-]."""
+NARROWEST, WIDEST = 0.75, 1.6
+"""Distances between the feet that a walk needs, in widths of the stance [-]."""
 
 
 class Dimension(NamedTuple):
@@ -99,9 +100,10 @@ def scaled(defaults: _T, size: Size) -> _T:
 
 def feet_fitting(limits: LeastGreatest, size: Size) -> LeastGreatest:
     """Returns limits of the distance between the feet that suit the stance [m]."""
-    narrowest = max(size.sole_width + 0.4 * GAP * size.height, 0.75 * size.stance_width)
+    apart = min(size.sole_width + CLEARANCE * size.height, size.stance_width)
     return LeastGreatest(
-        min(limits.least, narrowest), max(limits.greatest, 1.6 * size.stance_width)
+        max(min(limits.least, NARROWEST * size.stance_width), apart),
+        max(limits.greatest, WIDEST * size.stance_width),
     )
 
 

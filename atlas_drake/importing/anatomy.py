@@ -29,6 +29,8 @@ MOST_ARM_JOINTS = 7
 """Joints of an arm; what is beyond them is the hand."""
 LEAST_LEG = 3
 """Joints from which a limb is taken for a leg, to say what it lacks."""
+EVEN = 1e-3
+"""Sum of a knee's limits below which its range does not tell how it bends [rad]."""
 BENT = 0.5
 """Bend of the knee that shows where the robot faces [rad]."""
 ASIDE = 0.08
@@ -62,9 +64,11 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     feet = _feet(tree, options)
     legs = [tree.chain(foot) for foot in feet]
     _fix_below_root(tree, legs, findings)
+    if not all(legs):
+        raise ImportRefused(f"links {feet[0]} and {feet[1]}: are on the same leg")
     _turn(tree, feet, legs, options, findings)
     poses = tree.poses()
-    if options.feet is None and poses[feet[0]][1, 3] < poses[feet[1]][1, 3]:
+    if poses[feet[0]][1, 3] < poses[feet[1]][1, 3]:
         feet, legs = feet[::-1], legs[::-1]
     limbs: dict[str, str] = {}
     for side, limb, leg in zip(("left", "right"), LEGS, legs, strict=True):
@@ -93,7 +97,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
 def _feet(tree: Tree, options: ImportOptions) -> list[str]:
     """Finds the two lowest ends of chains of moving joints."""
     if options.feet is not None:
-        return [tree.body_named("feet", name) for name in options.feet]
+        bodies = [tree.body_named("feet", name) for name in options.feet]
+        return [_foot_of(tree, body, tree.chain(body)) for body in bodies]
     poses = tree.poses()
     ends = []
     for joint in tree.joints.values():
@@ -135,7 +140,10 @@ def _reaches_down(
 def _foot_of(tree: Tree, end: str, chain: list[Any]) -> str:
     """Returns the link after the leg's sixth joint; toes beyond it become a part."""
     shared = 0
-    while shared < len(chain) and len(tree.moving_below(chain[shared].parent)) < 2:
+    while (
+        shared < len(chain)
+        and len(tree.moving_below(tree.body_of(chain[shared].parent))) < 2
+    ):
         shared += 1
     leg = chain[shared : shared + NUM_LEG_JOINTS]
     return str(leg[-1].child) if leg else end
@@ -173,7 +181,9 @@ def _turn(
         for foot, leg in zip(feet, legs, strict=True):
             knee = leg[min(KNEE, len(leg) - 1)]
             lower, upper = tree.limits(knee)
-            bent = BENT if upper + lower > 0.0 else -BENT
+            if abs(upper + lower) < EVEN:
+                continue
+            bent = math.copysign(BENT, upper + lower)
             ahead -= (tree.poses({knee.name: bent})[foot] - before[foot])[:2, 3]
         if math.hypot(*ahead) < 1e-3:
             findings.add(GUESSED, "the knees do not tell where it faces: along x")

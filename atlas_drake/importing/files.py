@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -102,7 +104,7 @@ def _add_visuals(
         _add_origin(inside, shape.origin)
         color = tree.color(shape.material)
         if shape.geometry.mesh is not None:
-            file = f"{MESHES}/{name}_{number}.gltf"
+            file = f"{MESHES}/{_file_name(name)}_{number}.gltf"
             is_plain = shape.geometry.mesh.filename.lower().endswith(".stl")
             write_visible(seen, folder / file, color if is_plain else None)
             _add_mesh(inside, file)
@@ -122,7 +124,7 @@ def _add_hulls(
         felt = meshes.shape(shape.geometry)
         if not felt:
             continue
-        file = f"{MESHES}/{name}_{number}.obj"
+        file = f"{MESHES}/{_file_name(name)}_{number}.obj"
         is_mesh = shape.geometry.mesh is not None
         if is_mesh and not write_hull(vertices_of(felt, np.eye(4)), folder / file):
             flat.append(name)
@@ -268,5 +270,10 @@ def write_yaml(
 
 def _name(text: str) -> str:
     """Returns a name as YAML reads it back."""
-    plain = yaml.safe_load(text) == text and not set(text) & set("{}[],:#&*!|>'\"%@`")
-    return text if plain else f'"{text}"'
+    plain = re.fullmatch(r"[\w./-]+", text) and yaml.safe_load(text) == text
+    return text if plain else json.dumps(text, ensure_ascii=False)
+
+
+def _file_name(link: str) -> str:
+    """Returns a name for files, another one for each link."""
+    return re.sub(r"[^\w.-]", lambda found: f"-{ord(found[0]):x}-", link)

@@ -55,6 +55,11 @@ def import_robot(
     Raises:
         ImportRefused: If the file cannot become a robot; it names link or joint.
     """
+    if folder.resolve() in source.resolve().parents:
+        raise ImportRefused(
+            f"{folder} holds {source.name} itself, and the import writes over what is "
+            "there; say another folder: --out FOLDER"
+        )
     tree = Tree(source)
     meshes = MeshLibrary(partial(resolve, urdf=source, packages=options.packages))
     drop_virtual_root(tree, findings)

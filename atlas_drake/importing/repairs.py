@@ -14,7 +14,13 @@ import numpy as np
 import yourdfpy.urdf as urdf
 
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings, ImportRefused
+from atlas_drake.importing.findings import (
+    GUESSED,
+    LOST,
+    REPAIRED,
+    Findings,
+    ImportRefused,
+)
 from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.tree import MOVING, Tree
 
@@ -41,7 +47,6 @@ _SHOWN = 6
 
 def drop_virtual_root(tree: Tree, findings: Findings) -> None:
     """Makes the first link below ``world`` or a floating joint the root."""
-    tree.index()
     while True:
         root = tree.root
         joints = tree.below(root)
@@ -111,6 +116,7 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
     """Gives moving joints limits of range, speed and effort where they have none."""
     effort = USUAL_EFFORT * GRAVITY * tree.mass_of(list(tree.links))
     guessed: dict[str, list[str]] = {}
+    rubs = []
     for joint in tree.joints.values():
         if not tree.moves(joint):
             continue
@@ -129,17 +135,22 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"velocity limit {USUAL_SPEED:g} rad/s"
             guessed.setdefault(text, []).append(joint.name)
         joint.limit, joint.type = limit, "revolute"
+        if float(getattr(joint.dynamics, "friction", None) or 0.0):
+            rubs.append(joint.name)
         if not float(getattr(joint.dynamics, "damping", None) or 0.0):
             joint.dynamics = urdf.Dynamics(damping=USUAL_DAMPING * limit.effort)
             text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
             guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
         findings.add(GUESSED, f"{text}, where the file has none: {listed(names)}")
+    if rubs:
+        findings.add(LOST, f"friction of joints, not simulated: {listed(rubs)}")
 
 
 def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None:
     """Gives links a mass and an inertia that a body can have."""
-    impossible, massless, none = list[str](), list[str](), list[str]()
+    impossible, none, massless = list[str](), list[str](), list[str]()
+    weightless: list[str] = []
     for name, link in tree.links.items():
         inertial = link.inertial
         if inertial is not None:
@@ -148,11 +159,13 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
                 raise ImportRefused(f"link {name}: its mass is {mass:g} kg")
             if mass == 0.0:
                 link.inertial = None
+                weightless.append(name)
             elif (near := _nearly_possible(mass, inertial.inertia)) is not None:
                 inertial.inertia = near
             else:
-                given = np.asarray(inertial.inertia, float)
-                (none if not np.any(given) else impossible).append(name)
+                given = inertial.inertia
+                is_zero = given is None or not np.any(np.asarray(given, float))
+                (none if is_zero else impossible).append(name)
                 inertial.inertia = _box(tree, name, mass, inertial.origin, meshes)
     for joint in tree.joints.values():
         if not tree.moves(joint):
@@ -167,10 +180,12 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
             massless.append(joint.child)
     for names, what in (
         (impossible, "inertia that no body has"),
-        (none, "inertia of zero"),
+        (none, "inertia of zero or none"),
     ):
         if names:
             findings.add(REPAIRED, f"{what}, that of its shape taken: {listed(names)}")
+    if weightless:
+        findings.add(LOST, f"inertia of links without mass: {listed(weightless)}")
     if massless:
         findings.add(REPAIRED, f"no mass, 1 g taken: {listed(massless)}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,11 @@ def find_soles(
     X = tree.poses()
     if options.sole is not None:
         length, width, above, ahead = options.sole
+        if not all(map(math.isfinite, options.sole)) or min(length, width) <= 0.0:
+            given = " ".join(f"{one:g}" for one in options.sole)
+            raise ImportRefused(
+                f"--sole {given}: must be numbers, length and width above 0"
+            )
         place = np.array([ahead, 0.0, -above])
         poses = [_upright(X[foot], X[foot][:3, 3] + place) for foot in anatomy.feet]
         return Soles(length, width, (poses[0], poses[1]))
@@ -51,9 +57,11 @@ def find_soles(
     for foot in anatomy.feet:
         points, kind = _points(tree, foot, X, meshes)
         if not len(points):
+            lost = "".join(f" ({why})" for why in list(meshes.lost.values())[:1])
+            told = "--sole LENGTH WIDTH HEIGHT_OF_ANKLE AHEAD"
             raise ImportRefused(
-                f"link {foot}: has no shape that tells where its sole is; say so: "
-                "--sole LENGTH WIDTH HEIGHT_OF_ANKLE AHEAD"
+                f"link {foot}: has no shape that tells where its sole is{lost}; say "
+                f"so: {told}"
             )
         length = float(np.ptp(points[:, 0]))
         low = points[points[:, 2] < points[:, 2].min() + DEPTH * length]

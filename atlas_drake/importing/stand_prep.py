@@ -79,7 +79,8 @@ def find_stand_prep(
     joints = [plant.GetJointByName(joint.name) for joint in file.joints]
     lower = np.array([joint.position_lower_limit() for joint in joints])
     upper = np.array([joint.position_upper_limit() for joint in joints])
-    nominal = np.clip(0.0, lower + MARGIN, np.maximum(upper - MARGIN, lower + MARGIN))
+    margin = np.minimum(MARGIN, 0.5 * (upper - lower))
+    nominal = np.clip(0.0, lower + margin, upper - margin)
     for leg in legs:
         _bend(leg, file, lower, upper, nominal)
     angles = _solve(plant, file, legs, joints, nominal, lower, upper)

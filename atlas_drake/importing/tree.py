@@ -20,9 +20,12 @@ from atlas_drake.importing.findings import ImportRefused
 
 MOVING = ("revolute", "continuous")
 _NUMBERS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "radius": 1, "length": 1}
-_NUMBERS |= dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "damping"), 1)
+_NUMBERS |= dict.fromkeys(
+    ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "damping", "mass"), 1
+)
 """How many numbers an attribute has; a scale may also be one."""
 _POSITIVE = ("size", "radius", "length")
+_SHAPES = ("box", "sphere", "cylinder", "mesh")
 _LIMITS = ("lower", "upper", "effort", "velocity")
 """Attributes that may also say that there is no limit, as inf."""
 
@@ -81,6 +84,11 @@ class Tree:
         if len(roots) != 1:
             named = ", ".join(roots) or "none"
             raise ImportRefused(f"the tree must have one root link, and has {named}")
+        self.index()
+        loop = set(self.links).difference(self.all_below(self.root))
+        if loop:
+            names = ", ".join(sorted(loop))
+            raise ImportRefused(f"links {names}: hang on each other in a loop")
 
     @property
     def root(self) -> str:
@@ -168,8 +176,11 @@ class Tree:
         """Returns the least and the greatest position of a joint [rad]."""
         if joint.type == "continuous" or joint.limit is None:
             return -math.pi, math.pi
-        lower, upper = joint.limit.lower, joint.limit.upper
-        return float(lower or 0.0), float(upper or 0.0)
+        lower, upper = float(joint.limit.lower or 0.0), float(joint.limit.upper or 0.0)
+        return (
+            lower if math.isfinite(lower) else -math.pi,
+            upper if math.isfinite(upper) else math.pi,
+        )
 
     def color(self, material: Any) -> Any:
         """Returns red, green, blue and opacity of a material; None without a color."""
@@ -199,11 +210,22 @@ def _check_numbers(root: Any) -> None:
         if part.tag not in ("link", "joint"):
             continue
         for element in part.iter(etree.Element):
+            where = f"{part.tag} {part.get('name')}, <{element.tag}>"
             for name, text in element.attrib.items():
-                wanted = _fault(name, text)
+                is_mass = element.tag == "mass" and name == "value"
+                wanted = _fault("mass" if is_mass else name, text)
                 if wanted:
-                    where = f"{part.tag} {part.get('name')}, <{element.tag}>: {name}"
-                    raise ImportRefused(f"{where} is {text!r}; must be {wanted}")
+                    raise ImportRefused(
+                        f"{where}: {name} is {text!r}; must be {wanted}"
+                    )
+            if element.tag in ("visual", "collision"):
+                shape = element.find("geometry/*")
+                if shape is None or shape.tag not in _SHAPES:
+                    found = "nothing" if shape is None else f"<{shape.tag}>"
+                    raise ImportRefused(
+                        f"{where}: its geometry is {found}; must be one of "
+                        f"{', '.join(_SHAPES)}"
+                    )
 
 
 def _fault(name: str, text: str) -> str:
@@ -218,7 +240,8 @@ def _fault(name: str, text: str) -> str:
         return wanted
     if len(values) != count and not (name == "scale" and len(values) == 1):
         return wanted
-    if name not in _LIMITS and not all(map(math.isfinite, values)):
+    has_no_limit = name in _LIMITS and not any(map(math.isnan, values))
+    if not has_no_limit and not all(map(math.isfinite, values)):
         return f"{wanted}, finite"
     if name in _POSITIVE and min(values) <= 0.0:
         return f"{wanted}, above 0"

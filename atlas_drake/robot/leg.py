@@ -27,7 +27,7 @@ HIP, KNEE, ANKLE = slice(0, 3), 3, slice(4, 6)
 _SIDEWAYS = 0.8
 """Least share of the lateral axis in that of a pitch joint [-]."""
 _SPANNED = 0.2
-"""Least singular value of the axes of hip and ankle: of parallel ones it is 0 [-]."""
+"""Least singular value of the axes of hip and ankle [-]: 0 if one adds nothing."""
 
 
 @dataclass(frozen=True)
@@ -177,11 +177,14 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
 
 def _pitch_joints(limb: str, names: Sequence[str], axes: np.ndarray) -> tuple[int, int]:
     """Finds the pitch joints of hip and ankle, and checks what the axes span."""
-    for part, kind in ((HIP, "hip"), (ANKLE, "ankle")):
+    for part, kind, fault in (
+        (HIP, "hip", "are parallel or in one plane"),
+        (ANKLE, "ankle", "are parallel"),
+    ):
         _, spanned, _ = np.linalg.svd(axes[part])
         if spanned[-1] < _SPANNED:
             joints = ", ".join(names[part])
-            raise _unlike(limb, names, f"the {kind}'s axes, of {joints}, are parallel")
+            raise _unlike(limb, names, f"the {kind}'s axes, of {joints}, {fault}")
     sideways = np.abs(axes[:, 1])
     hip = int(np.argmax(sideways[HIP]))
     ankle = ANKLE.start + int(np.argmax(sideways[ANKLE]))

@@ -67,8 +67,15 @@ def test_each_value_scales_as_its_unit_says():
 
 
 def test_the_feet_stand_as_in_the_stand_prep_pose():
-    config = ControllerConfig().scaled(replace(QUARTER, stance_width=0.09))
+    config = ControllerConfig().scaled(
+        replace(QUARTER, stance_width=0.09, sole_width=0.05)
+    )
     assert config.stance.width == 0.09
     least, greatest = config.walk.limits.width
     assert least < 0.09 < greatest
     assert config.gait().half_width == pytest.approx(0.045)
+
+
+def test_wide_soles_of_a_low_robot_stay_apart():
+    low = replace(QUARTER, height=0.30, sole_width=0.10, stance_width=0.12)
+    assert ControllerConfig().scaled(low).walk.limits.width.least > 0.10

@@ -9,8 +9,11 @@ import pytest
 
 from atlas_drake.app.main import main
 from atlas_drake.control.feet.leg_kinematics import leg_solver
+from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.importing.findings import Findings, ImportRefused
 from atlas_drake.importing.importer import import_robot
+from atlas_drake.importing.meshes import write_hull
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.source import find_source, resolve
 from atlas_drake.robot import load_robot
@@ -87,6 +90,16 @@ def test_heron_is_found_without_a_word_of_help(imported):
         ((r"</robot>", '<link name="stray"/></robot>'),
          "one root link, and has hips, stray"),
         ((r"<robot ", "<robots "), "is no URDF"),
+        ((r"</robot>", '<link name="a"/><link name="b"/>'
+          '<joint name="ab" type="fixed"><parent link="a"/><child link="b"/></joint>'
+          '<joint name="ba" type="fixed"><parent link="b"/><child link="a"/></joint>'
+          "</robot>"), "links a, b: hang on each other in a loop"),
+        ((r'<mass value="[^"]*"', '<mass value="heavy"'),
+         r"link \w+, <mass>: value is 'heavy'; must be a number"),
+        (limits("waist_yaw", 'lower="nan" upper="1" effort="4" velocity="9"'),
+         r"joint waist_yaw, <limit>: lower is 'nan'; must be a number, finite"),
+        ((r"<geometry>.*?</geometry>", "<geometry><capsule/></geometry>"),
+         r"link \w+, <\w+>: its geometry is <capsule>; must be one of box, sphere"),
         ((r'(<axis xyz=")0 1 0"', r'\g<1>0 up 0"'),
          r"joint \w+, <axis>: xyz is '0 up 0'; must be 3 numbers"),
         ((r'(<sphere radius=")[^"]*"', r'\g<1>-1"'),
@@ -275,3 +288,126 @@ def test_a_foot_that_is_too_light_without_its_motors_gets_their_inertia(imported
     at = plant.GetJointByName("left_ankle_roll").velocity_start()
     assert M[at, at] == pytest.approx(1e-4 * robot.mass * robot.com_height**2, rel=0.02)
     assert "rotor_inertia" not in imported()[0].urdf.read_text()
+
+
+def test_the_users_own_file_is_not_written_over(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = tmp_path / "robot" / "robot.urdf"
+    source.parent.mkdir()
+    source.write_text(PLAIN)
+    for out in ([], ["--out", "robot"], ["--out", "."]):
+        assert main(["import", str(source), "--no-trial", *out]) == 2
+        assert "holds robot.urdf itself" in capsys.readouterr().err
+    assert source.read_text() == PLAIN
+    assert [path.name for path in source.parent.iterdir()] == ["robot.urdf"]
+
+
+def test_knees_of_an_even_range_do_not_turn_the_robot(imported):
+    even = (
+        r'(<joint name="\w+_knee".*?<limit )lower="[^"]*" upper="[^"]*"',
+        r'\g<1>lower="-2.3" upper="2.3"',
+    )
+    robot, findings = imported(even)
+    said = "\n".join(findings.of("repaired") + findings.of("guessed"))
+    assert "the knees do not tell where it faces: along x" in said
+    assert "from x" not in said
+    assert all(robot.stand_prep[leg.knee] > 0.5 for leg in robot.legs)
+
+
+def test_the_left_foot_is_that_on_the_left(imported):
+    told = ImportOptions(feet=("right_foot", "left_foot"))
+    robot, _ = imported(options=told)
+    assert [foot.body for foot in robot.file.feet] == ["left_foot", "right_foot"]
+
+
+TOES = "".join(
+    f'<link name="{side}_toe"><inertial><mass value="0.1"/><inertia ixx="1e-4" ixy="0" '
+    'ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>'
+    f'<joint name="{side}_toe_joint" type="revolute"><parent link="{side}_foot"/>'
+    f'<child link="{side}_toe"/><origin xyz="0.1 0 -0.05"/><axis xyz="0 1 0"/>'
+    '<limit lower="-1" upper="1" effort="5" velocity="5"/></joint>'
+    f'<link name="{side}_mount"/><joint name="{side}_mounted" type="fixed">'
+    f'<parent link="hips"/><child link="{side}_mount"/></joint>'
+    for side in ("left", "right")
+)
+
+
+@pytest.mark.parametrize("feet", [None, ("left_toe", "right_toe")])
+def test_toes_are_fixed_also_where_hips_hang_on_mounts(imported, feet):
+    robot, findings = imported(
+        (r"</robot>", f"{TOES}</robot>"),
+        (r'(<joint name="(left|right)_hip_yaw" type="revolute">\s*<parent link=")hips',
+         r"\1\2_mount"),
+        options=ImportOptions(feet=feet),
+    )  # fmt: skip
+    assert [foot.body for foot in robot.file.feet] == ["left_foot", "right_foot"]
+    assert "left_toe_joint, right_toe_joint" in "\n".join(findings.of("repaired"))
+
+
+def test_a_root_on_the_ground_is_no_trap_for_the_pelvis(imported):
+    robot, _ = imported(
+        (r"</robot>", '<link name="base_footprint"/><joint name="above" type="fixed">'
+         '<parent link="base_footprint"/><child link="hips"/><origin xyz="0 0 0.9"/>'
+         "</joint></robot>")
+    )  # fmt: skip
+    assert robot.pelvis_height < 0.0
+    reach = PelvisReach(robot)
+    reach.allows = lambda *_: False
+    home = PelvisPose(robot.pelvis_height)
+    assert reach.attainable(home, None, None) == home
+
+
+def test_meshes_of_feet_that_are_not_found_are_named(imported):
+    lost = (
+        r'(<link name="\w+_foot">.*?)<(?:visual|collision).*?(?=</link>)',
+        r'\1<collision><geometry><mesh filename="package://gone/foot.stl"/></geometry>'
+        "</collision>",
+    )
+    with pytest.raises(ImportRefused, match=r"left_foot: .*--package gone=.*--sole"):
+        imported(lost)
+
+
+def test_names_of_links_may_have_any_characters(imported, tmp_path):
+    # A mesh of its own for a link whose name is no file's and no plain YAML.
+    write_hull(np.eye(4)[:, :3], tmp_path / "trunk.obj")
+    name = '*ns/trunk "1"'
+    robot, _ = imported(
+        (r'link(?: name)?="trunk"',
+         lambda found: found[0].replace('"trunk"', f"'{name}'")),
+        (rf"(<link name='{re.escape(name)}'>.*?<collision>.*?try>).*?(</geometry>)",
+         r'\1<mesh filename="trunk.obj"/>\2'),
+    )  # fmt: skip
+    assert name in robot.body_names
+    assert name in robot.file.pushed
+
+
+def test_what_is_not_simulated_is_said(imported):
+    _, findings = imported(
+        (r'(<joint name="waist_yaw".*?<dynamics )', r'\1friction="3" '),
+        (r'(<link name="left_foot">.*?)(?=<link)',
+         r'\1<link name="dummy"><inertial><mass/><inertia ixx="1" ixy="0" ixz="0" '
+         'iyy="1" iyz="0" izz="1"/></inertial></link><joint name="d" type="fixed">'
+         '<parent link="left_foot"/><child link="dummy"/></joint>'),
+    )  # fmt: skip
+    said = "\n".join(findings.of("left out"))
+    assert "friction of joints, not simulated: waist_yaw" in said
+    assert "inertia of links without mass: dummy" in said
+
+
+def test_a_joint_with_hardly_any_range_does_not_forbid_the_pose(imported):
+    robot, _ = imported(
+        limits("left_shoulder", 'lower="0.1" upper="0.105" effort="9" velocity="9"')
+    )
+    shoulder = robot.stand_prep[robot.joint_index("left_shoulder")]
+    assert shoulder == pytest.approx(0.1025, abs=1e-4)
+
+
+@pytest.mark.parametrize("sole", [(-0.2, 0.1, 0.07, 0.0), (0.2, 0.1, np.nan, 0.0)])
+def test_a_sole_that_cannot_be_is_refused(imported, sole):
+    with pytest.raises(ImportRefused, match=r"--sole .*must be numbers"):
+        imported(options=ImportOptions(sole=sole))
+
+
+def test_one_leg_is_not_two(imported):
+    with pytest.raises(ImportRefused, match="are on the same leg"):
+        imported(options=ImportOptions(feet=("left_foot", "left_foot")))

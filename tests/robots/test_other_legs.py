@@ -131,3 +131,12 @@ def test_a_sole_out_of_reach_has_no_joint_angles():
     leg = load_robot().legs[0]
     below = leg.sole[:3, 3] + np.array([0.0, 0.0, -0.3])
     assert NumericLeg(leg).solve(below, np.eye(3)) is None
+
+
+def test_a_sole_turned_by_half_a_turn_is_not_taken_for_the_same(heron_with):
+    leg = load_robot(heron_with(NEGATIVE_KNEE)).legs[0]
+    turned = np.diag([-1.0, -1.0, 1.0]) @ leg.sole[:3, :3]
+    found = NumericLeg(leg).solve(leg.sole[:3, 3] + [0.0, 0.0, 0.05], turned)
+    if found is not None:
+        reached = NumericLeg(leg).sole(found.angles)[:3, :3]
+        np.testing.assert_allclose(reached, turned, atol=1e-4)

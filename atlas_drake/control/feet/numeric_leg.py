@@ -138,7 +138,9 @@ def _turn(R: np.ndarray) -> tuple[float, float, float]:
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R.tolist()
     x, y, z = 0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)
     sine = math.sqrt(x * x + y * y + z * z)
-    longer = 1.0
+    cosine, longer = 0.5 * (xx + yy + zz - 1.0), 1.0
     if sine > 1e-9:
-        longer = math.atan2(sine, 0.5 * (xx + yy + zz - 1.0)) / sine
+        longer = math.atan2(sine, cosine) / sine
+    elif cosine < 0.0:
+        return math.pi, 0.0, 0.0  # A half turn; any way out of it will do.
     return longer * x, longer * y, longer * z

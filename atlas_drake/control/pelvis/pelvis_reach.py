@@ -23,9 +23,9 @@ LEGS_COM = 0.5
 nearly the same for all robots."""
 _BISECTIONS = 10
 """Halvings between a feasible and a commanded value: exact to 0.1 % of the distance."""
-_HEIGHT_SEARCH = 0.01
-"""Step of the downward search for a height that a wide stance allows, in heights of
-the pelvis [-]."""
+_HEIGHTS = 36
+"""Heights in the range below the stand-prep pose among which that is searched which a
+wide stance allows: of Atlas they are a centimetre apart."""
 
 
 @dataclass(frozen=True)
@@ -155,13 +155,13 @@ class PelvisReach:
 
         Returns ``home`` itself if no height is feasible.
         """
-        height = home.height
-        lowest = self._upright + self.range.height.least
-        while height >= lowest:
-            lowered = home._replace(height=height)
+        least = self.range.height.least
+        for share in range(_HEIGHTS + 1):
+            lowered = home._replace(height=home.height + share / _HEIGHTS * least)
+            if lowered.height < self._upright + least:
+                break
             if self.allows(lowered, stance, p_PU):
                 return lowered
-            height -= _HEIGHT_SEARCH * self._upright
         return home
 
     def _grant(
