@@ -260,7 +260,7 @@ def write_yaml(
     lines.append("joints:")
     lines += [
         f"- {{name: {_name(joint.name)}, limb: {joint.limb}, kp: {joint.kp:.3g}, "
-        f"kd: {joint.kd:.3g}, stand_prep: {joint.stand_prep:.5f}}}"
+        f"kd: {joint.kd:.3g}, stand_prep: {_text(joint.stand_prep)}}}"
         for joint in file.joints
     ]
     path = folder / YAML

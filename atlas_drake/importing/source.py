@@ -72,11 +72,12 @@ def resolve(uri: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     A package is one of ``packages``, the folder above with a ``package.xml`` of that
     name or with that name itself, or whatever folder above has the rest of the path.
     """
-    if "://" not in uri:
-        return urdf.parent / uri
-    scheme, _, rest = uri.partition("://")
-    if scheme == "file":
-        return Path(rest)
+    scheme, separator, rest = uri.partition("://")
+    if not separator or scheme == "file":
+        path = Path(rest) if separator else urdf.parent / uri
+        if not path.is_file():
+            raise FileNotFoundError(f"there is no file {path}")
+        return path
     package, _, rest = rest.partition("/")
     tried = []
     if package in packages:

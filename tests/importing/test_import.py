@@ -205,6 +205,8 @@ def test_packages_are_found_by_name_manifest_and_option(tmp_path):
         path.write_text("")
     assert resolve("package://bot_description/meshes/a.stl", urdf, {}) == mesh
     assert resolve("../meshes/a.stl", urdf, {}).resolve() == mesh
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*b\.stl"):
+        resolve("meshes/b.stl", urdf, {})
     with pytest.raises(FileNotFoundError, match="--package arms=FOLDER"):
         resolve("package://arms/b.stl", urdf, {})
     assert resolve("package://arms/b.stl", urdf, {"arms": other.parent}) == other
