@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ def add_import_command(commands: Any) -> None:
         '`pip install "atlas-drake[import]"`; the extra `robots` brings TALOS, G1, '
         "iCub, Romeo and JVRC-1.",
         epilog="exit status: 0 the robot stands and walks, 1 it does not (its files "
-        "are written), 2 the file cannot become a robot",
+        "are written), 2 the file cannot become a robot, 3 a file could not be "
+        "written; the folder then stays as it was",
     )
     command.add_argument(
         "robot",
@@ -34,7 +36,10 @@ def add_import_command(commands: Any) -> None:
         help="where to write (default: a folder with the robot's name)",
     )
     command.add_argument(
-        "--name", metavar="NAME", help="name of the folder, and so of the robot"
+        "--name",
+        type=_name,
+        metavar="NAME",
+        help="name of the folder, and so of the robot: letters, digits, _ and -",
     )
     command.add_argument(
         "--package",
@@ -53,7 +58,7 @@ def add_import_command(commands: Any) -> None:
     found.add_argument(
         "--faces",
         choices=("x", "y", "-x", "-y"),
-        help="axis of the root's frame along which the robot faces",
+        help="axis of the root's frame along which the robot faces, as in --faces=-x",
     )
     for name, what in (("feet", "foot"), ("hands", "hand")):
         found.add_argument(
@@ -88,11 +93,17 @@ def add_import_command(commands: Any) -> None:
     command.set_defaults(run="import_robot.run_import", reads=())
 
 
+def _name(text: str) -> str:
+    if not re.fullmatch(r"[\w-]+", text):
+        raise argparse.ArgumentTypeError(f"is {text!r}; must be letters, digits, _, -")
+    return text
+
+
 def _package(text: str) -> tuple[str, Path]:
     name, separator, folder = text.partition("=")
-    path = Path(folder).expanduser()
     if not (separator and name):
         raise argparse.ArgumentTypeError(f"is {text!r}; must be NAME=FOLDER")
+    path = Path(folder)
     if not path.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {path}")
     return name, path.absolute()

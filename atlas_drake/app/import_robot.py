@@ -58,7 +58,8 @@ def run_import(options: argparse.Namespace) -> int:
     try:
         robot = import_robot(source, folder.absolute(), chosen, findings)
     except OSError as error:
-        raise AtlasError(f"{error.filename}: {error.strerror}") from None
+        progress.say(f"! {error.filename}: {error.strerror}")
+        return exit_status.OUTPUT_LOST
     progress.say(f"Wrote {folder}/robot.yaml")
     if options.no_trial:
         return exit_status.OK
@@ -73,20 +74,26 @@ def _try(
     progress: StatusLine,
 ) -> int:
     """Lets the robot stand, walk and be pushed, and writes the report."""
+    from atlas_drake.importing.files import PAGE, PICTURE
     from atlas_drake.importing.report import results, write_page, write_picture
     from atlas_drake.importing.trial import try_robot
 
+    def say(what: str) -> None:
+        progress.show(f"Trying: {what} ...")
+
     with tempfile.TemporaryDirectory() as temporary:
         log = Path(temporary) / "trial.mcap"
-        trial = try_robot(
-            robot.path, log, deadline, lambda text: progress.show(f"Trying: {text} ...")
-        )
+        try:
+            trial = try_robot(robot.path, log, deadline, say)
+        except KeyboardInterrupt:
+            progress.say(f"Interrupted: {folder}/robot.yaml is whole, but not tried")
+            raise
         for name, value in results(trial):
             progress.say(f"{name}: {value}")
         progress.show("Drawing ...")
-        write_page(trial, robot, findings, folder / "report.md")
+        write_page(trial, robot, findings, folder / PAGE)
         try:
-            write_picture(log, trial, robot, folder / "report.png")
+            write_picture(log, trial, robot, folder / PICTURE)
         except FilmError as error:
             progress.say(f"! there is no picture: {error}")
     progress.say(f"Wrote the report: {folder}/report.md")

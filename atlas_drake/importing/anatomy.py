@@ -23,14 +23,18 @@ from atlas_drake.importing.options import HEADINGS, ImportOptions
 from atlas_drake.importing.repairs import fix, listed, turn_root
 from atlas_drake.importing.tree import Tree
 from atlas_drake.robot import LEGS, LIMBS
+from atlas_drake.robot.leg import KNEE, NUM_JOINTS
+from atlas_drake.rotations import rotation_z
 
-NUM_LEG_JOINTS, KNEE = 6, 3
 MOST_ARM_JOINTS = 7
 """Joints of an arm; what is beyond them is the hand."""
 LEAST_LEG = 3
 """Joints from which a limb is taken for a leg, to say what it lacks."""
-EVEN = 1e-3
-"""Sum of a knee's limits below which its range does not tell how it bends [rad]."""
+EVEN = 0.3
+"""Sum of a knee's limits, in their distance, up to which its range does not tell how it
+bends [-]."""
+STRAIGHT = math.radians(1.0)
+"""Angle from an axis up to which the robot faces along it [rad]."""
 BENT = 0.5
 """Bend of the knee that shows where the robot faces [rad]."""
 ASIDE = 0.08
@@ -97,8 +101,11 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
 def _feet(tree: Tree, options: ImportOptions) -> list[str]:
     """Finds the two lowest ends of chains of moving joints."""
     if options.feet is not None:
-        bodies = [tree.body_named("feet", name) for name in options.feet]
-        return [_foot_of(tree, body, tree.chain(body)) for body in bodies]
+        if len(set(options.feet)) == 1:
+            raise ImportRefused(f"--feet: both are {options.feet[0]}")
+        return _ends_of_legs(
+            tree, [tree.body_named("feet", name) for name in options.feet]
+        )
     poses = tree.poses()
     ends = []
     for joint in tree.joints.values():
@@ -123,7 +130,7 @@ def _feet(tree: Tree, options: ImportOptions) -> list[str]:
             "there are no two legs: of the two lowest chains of joints, "
             f"{listed(lowest) or 'none'}, {len(found)} hang down from the pelvis"
         )
-    return [_foot_of(tree, link, chain) for link, chain in found]
+    return _ends_of_legs(tree, [link for link, _ in found])
 
 
 def _reaches_down(
@@ -137,16 +144,18 @@ def _reaches_down(
     return float(places[0][2] - poses[link][2, 3]) > 0.5 * length
 
 
-def _foot_of(tree: Tree, end: str, chain: list[Any]) -> str:
-    """Returns the link after the leg's sixth joint; toes beyond it become a part."""
-    shared = 0
-    while (
-        shared < len(chain)
-        and len(tree.moving_below(tree.body_of(chain[shared].parent))) < 2
-    ):
-        shared += 1
-    leg = chain[shared : shared + NUM_LEG_JOINTS]
-    return str(leg[-1].child) if leg else end
+def _ends_of_legs(tree: Tree, ends: list[str]) -> list[str]:
+    """Returns the links after the sixth joint from where the two chains part.
+
+    Toes beyond them become parts of the feet.
+    """
+    chains = [tree.chain(end) for end in ends]
+    legs = [[joint for joint in one if joint not in other]
+            for one, other in (chains, chains[::-1])]  # fmt: skip
+    return [
+        str(leg[:NUM_JOINTS][-1].child) if leg else end
+        for leg, end in zip(legs, ends, strict=True)
+    ]
 
 
 def _fix_below_root(tree: Tree, legs: list[list[Any]], findings: Findings) -> None:
@@ -181,27 +190,29 @@ def _turn(
         for foot, leg in zip(feet, legs, strict=True):
             knee = leg[min(KNEE, len(leg) - 1)]
             lower, upper = tree.limits(knee)
-            if abs(upper + lower) < EVEN:
+            if abs(upper + lower) <= EVEN * (upper - lower):
                 continue
             bent = math.copysign(BENT, upper + lower)
             ahead -= (tree.poses({knee.name: bent})[foot] - before[foot])[:2, 3]
         if math.hypot(*ahead) < 1e-3:
             findings.add(GUESSED, "the knees do not tell where it faces: along x")
             return
-        right_angle = 0.5 * math.pi
-        yaw = right_angle * round(math.atan2(ahead[1], ahead[0]) / right_angle)
+        yaw, right_angle = math.atan2(ahead[1], ahead[0]), 0.5 * math.pi
+        along = right_angle * round(yaw / right_angle)
+        if abs(yaw - along) < STRAIGHT:
+            yaw = along
     if yaw:
-        turn_root(tree, yaw)
+        turn_root(tree, rotation_z(-yaw))
         degrees = f"{math.degrees(yaw):.0f}"
         findings.add(REPAIRED, f"the root faced {degrees}° from x: its frame is turned")
 
 
 def _check_leg(side: str, leg: list[Any]) -> None:
-    if len(leg) != NUM_LEG_JOINTS:
+    if len(leg) != NUM_JOINTS:
         names = ", ".join(joint.name for joint in leg) or "none"
         raise ImportRefused(
             f"the {side} leg has {len(leg)} moving joints ({names}); must have "
-            f"{NUM_LEG_JOINTS}: three of the hip, the knee, two of the ankle"
+            f"{NUM_JOINTS}: three of the hip, the knee, two of the ankle"
         )
 
 
@@ -222,11 +233,18 @@ def _find_upper_body(
         beside = [joint for joint in branches if joint is not trunk]
         branches = [*_branches(tree, chest, limbs), *beside]
     if options.chest is not None:
+        trunk = [tree.root, *(tree.joints[name].child for name in limbs
+                              if limbs[name] == "back")]  # fmt: skip
         chest = tree.body_named("chest", options.chest)
+        if chest not in trunk:
+            raise ImportRefused(
+                f"--chest {options.chest}: is no link of the trunk, {listed(trunk)}"
+            )
     anatomy.chest = chest
     height = abs(poses[chest][2, 3] - poses[anatomy.feet[0]][2, 3])
     ends: dict[str, str] = {}
-    for joint in branches:
+    # A lamp or a camera beside an arm is smaller than the arm.
+    for joint in sorted(branches, key=lambda joint: _extent(tree, joint), reverse=True):
         places = [poses[link][1, 3] for link in tree.all_below(joint.child)]
         farthest = max(places, key=abs)
         limb = "neck"
@@ -237,7 +255,7 @@ def _find_upper_body(
         ends[limb] = _name_chain(tree, joint, limb, limbs, options.fingers)
     arms = [limb for limb in ("l_arm", "r_arm") if limb in ends]
     if options.hands is not None:
-        anatomy.hands = tuple(tree.body_named("hands", name) for name in options.hands)
+        anatomy.hands = _hands(tree, limbs, options.hands)
     elif len(arms) == 2:
         anatomy.hands = tuple(ends[limb] for limb in arms)
     else:
@@ -251,12 +269,31 @@ def _find_upper_body(
     findings.add(FOUND, f"chest {chest}, {others or 'no other joints'}")
 
 
+def _hands(
+    tree: Tree, limbs: dict[str, str], named: tuple[str, str]
+) -> tuple[str, ...]:
+    """Returns the links of the left and the right hand, named in any order."""
+    bodies = {}
+    for name in named:
+        body = tree.body_named("hands", name)
+        for joint in tree.chain(body):
+            bodies[limbs.get(joint.name)] = body
+    if not {"l_arm", "r_arm"} <= set(bodies):
+        raise ImportRefused(f"--hands {' '.join(named)}: are not on both arms")
+    return bodies["l_arm"], bodies["r_arm"]
+
+
 def _branches(tree: Tree, link: str, limbs: dict[str, str]) -> list[Any]:
     return [joint for joint in tree.moving_below(link) if joint.name not in limbs]
 
 
 def _size(tree: Tree, joint: Any) -> int:
-    return 1 + sum(_size(tree, below) for below in tree.moving_below(joint.child))
+    return 1 + len(_all_moving(tree, joint.child))
+
+
+def _extent(tree: Tree, joint: Any) -> tuple[int, float]:
+    """Returns the number of joints and the mass of a branch [kg]."""
+    return _size(tree, joint), tree.mass_of(list(tree.all_below(joint.child)))
 
 
 def _is_limb(tree: Tree, joint: Any, poses: dict[str, np.ndarray]) -> bool:

@@ -14,7 +14,7 @@ import yaml
 from pydrake.math import RotationMatrix
 
 from atlas_drake.importing.anatomy import Anatomy
-from atlas_drake.importing.findings import LOST, Findings
+from atlas_drake.importing.findings import LOST, Findings, ImportRefused
 from atlas_drake.importing.meshes import (
     MeshLibrary,
     vertices_of,
@@ -28,6 +28,10 @@ from atlas_drake.robot import RobotFile
 from atlas_drake.robot.load import IMPORTED
 
 URDF, YAML, MESHES = "robot.urdf", f"{IMPORTED}.yaml", "meshes"
+PAGE, PICTURE = "report.md", "report.png"
+KEPT = f"{YAML}.old"
+"""A robot's file that an import found in its folder, and that somebody may have
+edited."""
 SOLES = ("l_sole_frame", "r_sole_frame")
 UPRIGHT = "chest_upright_frame"
 """Frame of the chest, parallel to the pelvis with all joints at zero."""
@@ -44,7 +48,16 @@ def write_urdf(
     folder: Path,
     findings: Findings,
 ) -> Path:
-    """Writes the URDF and the meshes of the tree into a folder."""
+    """Writes the URDF and the meshes of the tree into a folder.
+
+    Raises:
+        ImportRefused: If a link has the name of a frame that is added.
+    """
+    for name in (*SOLES, UPRIGHT):
+        if name in tree.links:
+            raise ImportRefused(
+                f"link {name}: that is the name of a frame that the import adds"
+            )
     (folder / MESHES).mkdir(parents=True, exist_ok=True)
     root = etree.Element("robot", name=folder.name, nsmap={"drake": DRAKE})
     flat: list[str] = []
@@ -232,8 +245,9 @@ def write_yaml(
     """Writes the robot's YAML file, one line per joint, for people to edit."""
     length, width = file.sole.length, file.sole.width
     lines = [
-        f"# Imported from {source}. Edit it freely; an import writes it anew.",
-        *(f"# {note}" for note in notes),
+        f"# Imported from {_line(source)}. Edit it freely: another import keeps it as "
+        f"{KEPT}.",
+        *(f"# {_line(note)}" for note in notes),
         f"urdf: {file.urdf}",
         f"pelvis: {_name(file.pelvis)}",
         f"chest: {file.chest} # The chest, parallel to the pelvis.",
@@ -270,10 +284,15 @@ def write_yaml(
 
 def _name(text: str) -> str:
     """Returns a name as YAML reads it back."""
-    plain = re.fullmatch(r"[\w./-]+", text) and yaml.safe_load(text) == text
-    return text if plain else json.dumps(text, ensure_ascii=False)
+    plain = re.fullmatch(r"[A-Za-z_][\w./-]*", text) and yaml.safe_load(text) == text
+    return text if plain else json.dumps(text, ensure_ascii=not text.isprintable())
+
+
+def _line(text: str) -> str:
+    """Returns a text without line breaks and what else cannot be printed."""
+    return "".join(one if one.isprintable() else " " for one in text)
 
 
 def _file_name(link: str) -> str:
     """Returns a name for files, another one for each link."""
-    return re.sub(r"[^\w.-]", lambda found: f"-{ord(found[0]):x}-", link)
+    return re.sub(r"[^\w.]", lambda found: f"-{ord(found[0]):x}-", link)

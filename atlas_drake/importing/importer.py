@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.importing.anatomy import Anatomy, find_anatomy
 from atlas_drake.importing.files import (
+    KEPT,
+    MESHES,
+    PAGE,
+    PICTURE,
     SOLES,
     UPRIGHT,
     URDF,
+    YAML,
     add_rotors,
     write_urdf,
     write_yaml,
 )
-from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings, ImportRefused
+from atlas_drake.importing.findings import (
+    FOUND,
+    GUESSED,
+    REPAIRED,
+    Findings,
+    ImportRefused,
+)
 from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.overlaps import clear_arms, overlapping
@@ -29,7 +42,7 @@ from atlas_drake.importing.repairs import (
 )
 from atlas_drake.importing.soles import Soles, find_soles
 from atlas_drake.importing.source import resolve
-from atlas_drake.importing.stand_prep import find_stand_prep, parsed
+from atlas_drake.importing.stand_prep import find_stand_prep
 from atlas_drake.importing.tree import Tree
 from atlas_drake.robot import (
     FootEntry,
@@ -53,13 +66,40 @@ def import_robot(
         findings: Gets what is found, guessed and repaired.
 
     Raises:
-        ImportRefused: If the file cannot become a robot; it names link or joint.
+        ImportRefused: If the file cannot become a robot; it names link or joint. What
+            is in the folder stays as it was.
     """
-    if folder.resolve() in source.resolve().parents:
+    if folder.resolve() in source.resolve().parents or folder in source.parents:
         raise ImportRefused(
             f"{folder} holds {source.name} itself, and the import writes over what is "
             "there; say another folder: --out FOLDER"
         )
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix=".import-", dir=folder.parent) as temporary:
+        made = Path(temporary) / folder.name
+        _make(source, made, options, findings)
+        _move(made, folder, findings)
+    return load_robot(folder / YAML)
+
+
+def _move(made: Path, folder: Path, findings: Findings) -> None:
+    """Puts what was made in the place of an earlier import; keeps its edited file."""
+    folder.mkdir(exist_ok=True)
+    before, new = folder / YAML, made / YAML
+    if before.exists() and before.read_bytes() != new.read_bytes():
+        before.replace(folder / KEPT)
+        findings.add(FOUND, f"another {YAML} in the folder, now {KEPT}")
+    shutil.rmtree(folder / MESHES, ignore_errors=True)
+    for name in (PAGE, PICTURE):
+        (folder / name).unlink(missing_ok=True)
+    for path in made.iterdir():
+        path.replace(folder / path.name)
+
+
+def _make(
+    source: Path, folder: Path, options: ImportOptions, findings: Findings
+) -> None:
+    """Writes the robot, and loads it for a check."""
     tree = Tree(source)
     meshes = MeshLibrary(partial(resolve, urdf=source, packages=options.packages))
     drop_virtual_root(tree, findings)
@@ -70,22 +110,22 @@ def import_robot(
     soles = find_soles(tree, anatomy, meshes, options, findings)
     urdf = write_urdf(tree, anatomy, soles, meshes, folder, findings)
     unposed = _robot_file(tree, anatomy, soles)
-    file, rotors = find_stand_prep(unposed, parsed(urdf), findings)
-    add_rotors(urdf, rotors)
-    file = clear_arms(urdf, file, findings)
-    file = replace(file, no_collisions=overlapping(urdf, file, findings))
-    notes = [text for kind in (REPAIRED, GUESSED) for text in findings.of(kind)]
-    path = write_yaml(file, folder, source.name, notes)
     try:
-        return load_robot(path)
+        file, rotors = find_stand_prep(unposed, urdf, findings)
+        add_rotors(urdf, rotors)
+        file = clear_arms(urdf, file, findings)
+        file = replace(file, no_collisions=overlapping(urdf, file, findings))
+        notes = [text for kind in (REPAIRED, GUESSED) for text in findings.of(kind)]
+        load_robot(write_yaml(file, folder, source.name, notes))
     except RobotDescriptionError as error:
         raise ImportRefused(f"{error.field}: {error.problem}") from None
+    except RuntimeError as error:
+        raise ImportRefused(f"Drake does not read the robot: {error}") from None
 
 
 def folder_name(source: Path, options: ImportOptions) -> str:
     """Returns the name of the robot, which its folder has."""
-    name = options.name or source.stem
-    return re.sub(r"[^A-Za-z0-9_-]+", "_", name)
+    return options.name or re.sub(r"[^\w-]+", "_", source.stem)
 
 
 def _robot_file(tree: Tree, anatomy: Anatomy, soles: Soles) -> RobotFile:

@@ -5,6 +5,7 @@ Reading, hulls, simplification and writing are trimesh's.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -76,8 +77,13 @@ def _read(path: Path) -> Shape:
     parts = [one for one in scene.dump() if len(getattr(one, "faces", ()))]
     if not parts:
         raise ValueError(f"{path} has no triangles")
-    turned = path.suffix.lower() == ".dae" and b"Y_UP" in path.read_bytes()
+    kind = path.suffix.lower()
+    head = path.read_bytes() if kind == ".dae" else b""
+    turned = b"Y_UP" in head or kind in (".gltf", ".glb")
+    unit = re.search(rb'<unit\b[^>]*\bmeter="([^"]+)"', head)
     for part in parts:
+        if unit is not None:
+            part.apply_scale(float(unit[1]))
         color = _color(part.visual)
         part.visual = trimesh.visual.ColorVisuals(part, face_colors=color)
         if turned:
@@ -110,7 +116,7 @@ def vertices_of(shape: Shape, X: np.ndarray) -> np.ndarray:
     return moved
 
 
-def write_visible(shape: Shape, path: Path, color: Sequence[float] | None) -> None:
+def write_visible(shape: Shape, path: Path, color: np.ndarray | None) -> None:
     """Writes a shape as glTF, simplified if it is large, in one color or its own."""
     share = MOST_FACES / sum(len(one.faces) for one in shape)
     scene = trimesh.Scene()

@@ -35,8 +35,12 @@ USUAL_DAMPING = 1e-3
 N·m·s/rad. Without any, soles of JVRC-1 that landed tilted chattered."""
 LEAST_MASS = 1e-3
 """Mass of a moving link without one [kg]."""
-LEAST_RADIUS = 0.005
-"""Radius of gyration of a link without a shape [m]."""
+LEAST_SIZE = 0.005
+"""Least edge of the box about a link's shapes [m]."""
+LEAST_TOTAL = 0.1
+"""Mass below which a file has none [kg]."""
+DENSITY = 1000.0
+"""Of a link whose size is not known, as a cube [kg/m³]."""
 LEAST_INERTIA = 1e-7
 """Least principal moment that is no error, per mass [m²]."""
 ROUNDED, EXACT = 1e-3, 1e-6
@@ -46,21 +50,33 @@ _SHOWN = 6
 
 
 def drop_virtual_root(tree: Tree, findings: Findings) -> None:
-    """Makes the first link below ``world`` or a floating joint the root."""
+    """Makes the first link below ``world`` or a floating joint the root.
+
+    It is turned as it was in the dropped link. Of several links on ``world`` that with
+    the most moving joints is the robot.
+    """
     while True:
         root = tree.root
         joints = tree.below(root)
-        if len(joints) != 1:
+        floats = len(joints) == 1 and joints[0].type == "floating"
+        if not joints or not (root == "world" or floats):
             return
-        (joint,) = joints
-        virtual = root == "world" or joint.type == "floating"
-        if not virtual:
-            return
-        del tree.links[root], tree.joints[joint.name]
-        findings.add(
-            REPAIRED, f"link {root} and joint {joint.name} are no parts: dropped"
-        )
+        kept, *others = sorted(joints, key=lambda joint: -_num_moving(tree, joint))
+        gone = [root, *(link for one in others for link in tree.all_below(one.child))]
+        for link in gone:
+            for joint in tree.below(link):
+                del tree.joints[joint.name]
+            del tree.links[link]
         tree.index()
+        turn_root(tree, kept.origin[:3, :3])
+        findings.add(
+            REPAIRED, f"no parts of the robot, dropped: {kept.name}, {listed(gone)}"
+        )
+
+
+def _num_moving(tree: Tree, joint: Any) -> int:
+    links = tree.all_below(joint.child)
+    return sum(tree.moves(one) for link in links for one in tree.below(link))
 
 
 def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
@@ -89,21 +105,27 @@ def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
 
 
 def fix(tree: Tree, joint: Any) -> None:
-    """Makes a joint fixed, at zero or the nearest position that it can have."""
-    if joint.type in MOVING:
+    """Makes a joint fixed, at the position that is nearest to where it would be.
+
+    That is zero, or what it has if the joint that it mimics is at zero.
+    """
+    if joint.type in (*MOVING, "prismatic"):
         lower, upper = tree.limits(joint)
-        angle = min(max(0.0, lower), upper)
-        if angle:
-            poses = tree.poses({joint.name: angle})
+        at = 0.0 if joint.mimic is None else float(joint.mimic.offset or 0.0)
+        at = min(max(at, lower), upper)
+        if joint.type == "prismatic":
+            joint.origin = joint.origin.copy()
+            joint.origin[:3, 3] += at * joint.origin[:3, :3] @ joint.axis
+        elif at:
+            poses = tree.poses({joint.name: at})
             joint.origin = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
     joint.type, joint.mimic, joint.limit, joint.dynamics = "fixed", None, None, None
 
 
-def turn_root(tree: Tree, yaw: float) -> None:
-    """Turns the root's frame about its z by ``yaw`` [rad]; nothing moves."""
+def turn_root(tree: Tree, R_NR: np.ndarray) -> None:
+    """Gives the root another frame N, seen from which the old one, R, is turned."""
     X = np.eye(4)
-    c, s = math.cos(yaw), math.sin(yaw)
-    X[:2, :2] = [[c, s], [-s, c]]
+    X[:3, :3] = R_NR
     root = tree.links[tree.root]
     shapes = [*root.visuals, *root.collisions]
     if root.inertial is not None:
@@ -142,7 +164,7 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
             guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
-        findings.add(GUESSED, f"{text}, where the file has none: {listed(names)}")
+        findings.add(GUESSED, f"{text}, where the file has none or 0: {listed(names)}")
     if rubs:
         findings.add(LOST, f"friction of joints, not simulated: {listed(rubs)}")
 
@@ -150,7 +172,8 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
 def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None:
     """Gives links a mass and an inertia that a body can have."""
     impossible, none, massless = list[str](), list[str](), list[str]()
-    weightless: list[str] = []
+    weightless, shapeless = list[str](), list[str]()
+    reach = float(np.ptp([X[:3, 3] for X in tree.poses().values()], axis=0).max())
     for name, link in tree.links.items():
         inertial = link.inertial
         if inertial is not None:
@@ -160,13 +183,22 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
             if mass == 0.0:
                 link.inertial = None
                 weightless.append(name)
-            elif (near := _nearly_possible(mass, inertial.inertia)) is not None:
+            elif (near := _nearly_possible(mass, inertial.inertia, reach)) is not None:
                 inertial.inertia = near
             else:
                 given = inertial.inertia
                 is_zero = given is None or not np.any(np.asarray(given, float))
-                (none if is_zero else impossible).append(name)
-                inertial.inertia = _box(tree, name, mass, inertial.origin, meshes)
+                box = _box(tree, name, mass, inertial.origin, meshes)
+                if box is None:
+                    shapeless.append(name)
+                    size = max(np.cbrt(mass / DENSITY), LEAST_SIZE)
+                    box = mass / 6.0 * size**2 * np.eye(3)
+                else:
+                    (none if is_zero else impossible).append(name)
+                inertial.inertia = box
+    total = tree.mass_of(list(tree.links))
+    if not total > LEAST_TOTAL:
+        raise ImportRefused(f"all links have {total:g} kg together: masses are missing")
     for joint in tree.joints.values():
         if not tree.moves(joint):
             continue
@@ -175,7 +207,7 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
         if tree.mass_of(parts) == 0.0 and len(below) == len(parts):
             link = tree.links[joint.child]
             X = np.eye(4)
-            inertia = LEAST_MASS * LEAST_RADIUS**2 * np.eye(3)
+            inertia = LEAST_MASS * LEAST_SIZE**2 * np.eye(3)
             link.inertial = urdf.Inertial(X, LEAST_MASS, inertia)
             massless.append(joint.child)
     for names, what in (
@@ -184,16 +216,20 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
     ):
         if names:
             findings.add(REPAIRED, f"{what}, that of its shape taken: {listed(names)}")
+    if shapeless:
+        text = f"inertia of a cube of {DENSITY:g} kg/m³, without inertia and shape"
+        findings.add(GUESSED, f"{text}: {listed(shapeless)}")
     if weightless:
         findings.add(LOST, f"inertia of links without mass: {listed(weightless)}")
     if massless:
         findings.add(REPAIRED, f"no mass, 1 g taken: {listed(massless)}")
 
 
-def _nearly_possible(mass: float, inertia: Any) -> np.ndarray | None:
+def _nearly_possible(mass: float, inertia: Any, reach: float) -> np.ndarray | None:
     """Returns a central inertia [kg·m²] that a body can have; None if it is far off.
 
     Principal moments keep the triangle inequality; rounding of the file is made up for.
+    No link is larger than the robot, whose frames ``reach`` so far [m].
     """
     if inertia is None:
         return None
@@ -202,21 +238,24 @@ def _nearly_possible(mass: float, inertia: Any) -> np.ndarray | None:
     beyond = large - small - middle
     if small < LEAST_INERTIA * mass or beyond > ROUNDED * large:
         return None
+    if large > mass * reach**2:
+        return None
     more: np.ndarray = given + max(beyond + EXACT * large, 0.0) * np.eye(3)
     return more
 
 
 def _box(
     tree: Tree, name: str, mass: float, X_LC: np.ndarray, meshes: MeshLibrary
-) -> np.ndarray:
-    """Returns the inertia of the box about a link's shapes [kg·m²]."""
+) -> np.ndarray | None:
+    """Returns the inertia of the box about a link's shapes [kg·m²]; None without."""
     link = tree.links[name]
-    points = meshes.vertices(link.collisions or link.visuals, np.linalg.inv(X_LC))
-    size = np.full(3, LEAST_RADIUS)
-    if len(points):
-        size = np.maximum(np.ptp(points, axis=0), LEAST_RADIUS)
-    x, y, z = size**2
-    return mass / 12.0 * np.diag([y + z, x + z, x + y])
+    for shapes in (link.collisions, link.visuals):
+        points = meshes.vertices(shapes, np.linalg.inv(X_LC))
+        if len(points):
+            x, y, z = np.maximum(np.ptp(points, axis=0), LEAST_SIZE) ** 2
+            inertia: np.ndarray = mass / 12.0 * np.diag([y + z, x + z, x + y])
+            return inertia
+    return None
 
 
 def listed(names: list[str]) -> str:

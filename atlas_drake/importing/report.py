@@ -12,8 +12,9 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.diagrams.film import photograph
+from atlas_drake.importing.files import PICTURE
 from atlas_drake.importing.findings import GUESSED, LOST, REPAIRED, Findings
-from atlas_drake.importing.trial import NEAR_LIMIT, Trial
+from atlas_drake.importing.trial import NEAR_LIMIT, PUSH_DURATION, Trial
 from atlas_drake.logs import read_log
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.world_file import View
@@ -69,7 +70,7 @@ def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> No
     lines = [
         f"# {robot.name}",
         "",
-        "![Standing and walking, from the front and from its right](report.png)",
+        f"![Standing and walking, from the front and from its right]({PICTURE})",
         "",
         f"{robot.mass:.1f} kg, center of mass {robot.com_height:.3f} m high, "
         f"{robot.num_joints} joints, soles {robot.file.sole.length:.3f} m by "
@@ -79,9 +80,16 @@ def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> No
         "| --- | --- |",
         *(f"| {name} | {value} |" for name, value in results(trial)),
         "",
+        f"Pushes change the robot's speed within {PUSH_DURATION:g} s, at "
+        f"`{robot.file.pushed[-1]}`; the robot bears one if it stands in the end.",
+        "",
     ]
     if trial.near_limit:
-        lines += [f"Joints above {NEAR_LIMIT:.0%} of their effort limit:", ""]
+        lines += [
+            f"Joints that reached {NEAR_LIMIT:.0%} of their effort limit while the "
+            "robot stood and walked; those of the legs bound its speed:",
+            "",
+        ]
         ordered = sorted(trial.near_limit.items(), key=lambda item: -item[1])
         lines += [f"- {name}: {share:.0%}" for name, share in ordered]
         lines.append("")

@@ -26,14 +26,20 @@ USUAL = {
 
 def find_source(given: str) -> Path:
     """Returns the URDF file of a path or of a robot's name, absolute."""
-    path = Path(given).expanduser()
-    if path.suffix and path.is_file():
+    try:
+        path = Path(given).expanduser()
+        is_file, is_folder = path.is_file(), path.is_dir()
+    except (OSError, RuntimeError) as error:  # No such user; a name too long.
+        raise ImportRefused(f"{given}: {error}") from None
+    if path.suffix and is_file:
         if path.suffix.lower() != ".urdf":
             raise ImportRefused(
                 f"{path}: only URDF is read; convert {path.suffix} (or xacro) to .urdf "
                 "first"
             )
         return path.absolute()
+    if is_folder:
+        raise ImportRefused(f"{path}: is a folder; name the .urdf file in it")
     if path.suffix in (".urdf", ".xacro", ".xml", ".sdf") or path.is_absolute():
         raise ImportRefused(f"{path}: there is no such .urdf file")
     known = packaged_robots()
@@ -45,10 +51,11 @@ def find_source(given: str) -> Path:
             f"{given}: there is no such file, and no package of robots is installed: "
             'pip install "atlas-drake[robots]"'
         )
-    names = sorted({*(short for short, long in USUAL.items() if long in known), *known})
+    short = [name for name, file in USUAL.items() if file in known]
     raise ImportRefused(
-        f"{given}: there is no such file or robot;{did_you_mean(given, names)} "
-        f"There are {', '.join(names)}"
+        f"{given}: there is no such file or robot."
+        f"{did_you_mean(given, [*short, *known])} There are {', '.join(short)}, and "
+        f"{len(known)} files of the packages by their names"
     )
 
 
@@ -69,8 +76,9 @@ def packaged_robots() -> dict[str, Path]:
 def resolve(uri: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     """Returns the file of a mesh's ``uri`` in a URDF.
 
-    A package is one of ``packages``, the folder above with a ``package.xml`` of that
-    name or with that name itself, or whatever folder above has the rest of the path.
+    A package is one of ``packages``, a folder above with a ``package.xml`` of that
+    name, one of that name above or beside those above, or whatever folder above has the
+    rest of the path.
     """
     scheme, separator, rest = uri.partition("://")
     if not separator or scheme == "file":
@@ -85,7 +93,8 @@ def resolve(uri: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     for folder in urdf.parents:
         if folder.name == package or _is_package(folder, package):
             tried.append(folder / rest)
-        tried += [folder / package / rest, folder / rest]
+        tried.append(folder / package / rest)
+    tried += [folder / rest for folder in urdf.parents]
     for path in tried:
         if path.is_file():
             return path

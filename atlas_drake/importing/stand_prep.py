@@ -54,24 +54,16 @@ SLOWEST_TICK = 0.009
 """Control period with which a derivative gain must be stable [s]."""
 
 
-def parsed(urdf: Path) -> Any:
-    """Returns a finalized plant of a URDF."""
-    plant: Any = MultibodyPlant(time_step=0.0)
-    try:
-        parse(plant, urdf)
-    except RuntimeError as error:
-        raise ImportRefused(f"Drake does not read the URDF: {error}") from None
-    plant.Finalize()
-    return plant
-
-
 def find_stand_prep(
-    file: RobotFile, plant: Any, findings: Findings
+    file: RobotFile, urdf: Path, findings: Findings
 ) -> tuple[RobotFile, dict[str, float]]:
     """Returns the file with pose and gains of its joints, and rotor inertias [kg·m²].
 
     ``file`` has its joints at zero; joints that need no rotor inertia are left out.
     """
+    plant: Any = MultibodyPlant(time_step=0.0)
+    parse(plant, urdf)
+    plant.Finalize()
     try:
         legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
     except RobotDescriptionError as error:
@@ -118,13 +110,15 @@ def _bend(
     if flexion < LEAST_FLEXION:
         raise ImportRefused(
             f"joint {name}: goes from {low:.3g} to {high:.3g} rad, and the stand-prep "
-            f"pose needs {leg.knee_at(FLEXION):.2g}: shuffled limits, or not the knee?"
+            f"pose needs {leg.knee_at(FLEXION):.2g}: shuffled limits, not the knee, or "
+            "does the robot face another way (--faces)?"
         )
     nominal[knee] = leg.knee_at(flexion)
     for joint in (leg.hip_pitch, leg.ankle_pitch):
         places = [int(place) for place in leg.joints]
         sign = math.copysign(1.0, float(leg.axes[places.index(joint), 1]))
-        wanted = -0.5 * flexion * sign
+        # With all joints at zero the soles are level, whatever the knee's bend then.
+        wanted = -0.5 * (flexion - leg.flexion(0.0)) * sign
         if not lower[joint] - 0.2 <= wanted <= upper[joint] + 0.2:
             raise ImportRefused(
                 f"joint {file.joints[joint].name}: goes from {lower[joint]:.3g} to "

@@ -19,13 +19,29 @@ from pydrake.math import RigidTransform
 from atlas_drake.importing.findings import ImportRefused
 
 MOVING = ("revolute", "continuous")
+_TYPES = (*MOVING, "prismatic", "fixed", "floating", "planar")
+DEEPEST = 200
+"""Links from the root to the end of a chain that no robot has [-]."""
 _NUMBERS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "radius": 1, "length": 1}
 _NUMBERS |= dict.fromkeys(
-    ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "damping", "mass"), 1
+    ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "damping", "friction", "mass"), 1
 )
 """How many numbers an attribute has; a scale may also be one."""
-_POSITIVE = ("size", "radius", "length")
+_POSITIVE, _NOT_NEGATIVE = ("size", "radius", "length"), ("damping", "friction")
+_LARGEST = 1e9
+"""Numbers beyond it are errors, in any unit."""
 _SHAPES = ("box", "sphere", "cylinder", "mesh")
+_NEEDED = {
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "parent": ("link",),
+    "child": ("link",),
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "mesh": ("filename",),
+}
+"""Attributes without which an element says nothing."""
 _LIMITS = ("lower", "upper", "effort", "velocity")
 """Attributes that may also say that there is no limit, as inf."""
 
@@ -53,13 +69,18 @@ class Tree:
             said = " ".join(str(error).split()) or type(error).__name__
             raise ImportRefused(f"{file}: is no URDF: {said}") from None
         robot = self.urdf.robot
-        self.links: dict[str, Any] = {link.name: link for link in robot.links}
-        self.joints: dict[str, Any] = {joint.name: joint for joint in robot.joints}
+        self.links: dict[str, Any] = _by_name("link", robot.links)
+        self.joints: dict[str, Any] = _by_name("joint", robot.joints)
         self._check()
 
     def _check(self) -> None:
         above: dict[str, str] = {}
         for joint in self.joints.values():
+            if joint.type not in _TYPES:
+                raise ImportRefused(
+                    f"joint {joint.name}: its type is {joint.type!r}; must be one of "
+                    f"{', '.join(_TYPES)}"
+                )
             for end in (joint.parent, joint.child):
                 if end not in self.links:
                     raise ImportRefused(f"joint {joint.name}: there is no link {end}")
@@ -85,7 +106,17 @@ class Tree:
             named = ", ".join(roots) or "none"
             raise ImportRefused(f"the tree must have one root link, and has {named}")
         self.index()
-        loop = set(self.links).difference(self.all_below(self.root))
+        reached, level, depth = set(roots), roots, 0
+        while level:
+            level = [joint.child for link in level for joint in self.below(link)]
+            reached.update(level)
+            depth += 1
+            if depth > DEEPEST:
+                raise ImportRefused(
+                    f"link {level[0]}: hangs on more than {DEEPEST} joints, one below "
+                    "the other"
+                )
+        loop = set(self.links) - reached
         if loop:
             names = ", ".join(sorted(loop))
             raise ImportRefused(f"links {names}: hang on each other in a loop")
@@ -182,19 +213,31 @@ class Tree:
             upper if math.isfinite(upper) else math.pi,
         )
 
-    def color(self, material: Any) -> Any:
+    def color(self, material: Any) -> np.ndarray | None:
         """Returns red, green, blue and opacity of a material; None without a color."""
         if material is None:
             return None
         for one in (material, *self.urdf.robot.materials):
             if one.name == material.name and one.color is not None:
-                return one.color.rgba
+                # Some files leave out the opacity, or count up to 255.
+                rgba = np.append(np.asarray(one.color.rgba, dtype=float), 1.0)[:4]
+                largest = 255.0 if rgba[:3].max() > 1.0 else 1.0
+                return np.clip(rgba / [largest, largest, largest, 1.0], 0.0, 1.0)
         return None
 
     def mass_of(self, links: list[str]) -> float:
         """Returns the mass of links [kg]."""
         inertials = [self.links[name].inertial for name in links]
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
+
+
+def _by_name(kind: str, parts: Iterable[Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for part in parts:
+        if part.name in found:
+            raise ImportRefused(f"{kind} {part.name}: is there twice")
+        found[part.name] = part
+    return found
 
 
 def _place(parts: Iterable[Any]) -> None:
@@ -211,6 +254,9 @@ def _check_numbers(root: Any) -> None:
             continue
         for element in part.iter(etree.Element):
             where = f"{part.tag} {part.get('name')}, <{element.tag}>"
+            for name in _NEEDED.get(element.tag, ()):
+                if name not in element.attrib:
+                    raise ImportRefused(f"{where}: has no {name}")
             for name, text in element.attrib.items():
                 is_mass = element.tag == "mass" and name == "value"
                 wanted = _fault("mass" if is_mass else name, text)
@@ -218,6 +264,9 @@ def _check_numbers(root: Any) -> None:
                     raise ImportRefused(
                         f"{where}: {name} is {text!r}; must be {wanted}"
                     )
+            missing = {"parent", "child"}.difference(one.tag for one in element)
+            if element.tag == "joint" and missing:
+                raise ImportRefused(f"{where}: has no <{min(missing)}>")
             if element.tag in ("visual", "collision"):
                 shape = element.find("geometry/*")
                 if shape is None or shape.tag not in _SHAPES:
@@ -241,8 +290,12 @@ def _fault(name: str, text: str) -> str:
     if len(values) != count and not (name == "scale" and len(values) == 1):
         return wanted
     has_no_limit = name in _LIMITS and not any(map(math.isnan, values))
-    if not has_no_limit and not all(map(math.isfinite, values)):
+    if not has_no_limit and not all(abs(value) < _LARGEST for value in values):
         return f"{wanted}, finite"
     if name in _POSITIVE and min(values) <= 0.0:
         return f"{wanted}, above 0"
+    if name in _NOT_NEGATIVE and min(values) < 0.0:
+        return f"{wanted}, not below 0"
+    if name == "scale" and 0.0 in values:
+        return f"{wanted}, not 0"
     return ""

@@ -196,8 +196,8 @@ def size_to_scale_by(model: str | Path) -> Size | None:
         return None
     path = find_robot(model)
     with _naming(path):
-        urdf = find_urdf(path.parent, file.urdf)
-        return _size(path, path.read_text(), urdf.stat().st_mtime_ns)
+        changed = find_urdf(path.parent, file.urdf).stat().st_mtime_ns
+    return _size(path, path.read_text(), changed)
 
 
 @functools.lru_cache(maxsize=8)

@@ -163,9 +163,13 @@ def test_lift_off_is_brought_forward_while_the_balance_is_lost(
     assert outcome.state.duration == phase.duration
 
 
-@pytest.mark.parametrize("beyond", [LEFT, RIGHT])
-def test_a_foot_that_landed_steps_again_if_it_gets_nearer_to_the_dcm(
-    walk, observe, walk_message, beyond
+@pytest.mark.parametrize(
+    ("foot", "aside", "ahead"),
+    [(LEFT, 0.12, 0.0), (RIGHT, 0.12, 0.0), (LEFT, 0.0, 0.16), (LEFT, 0.0, -0.16)],
+    ids=["over it", "over the other", "ahead", "behind"],
+)
+def test_a_foot_that_landed_steps_again_if_the_dcm_is_beyond_its_outer_side(
+    walk, observe, walk_message, foot, aside, ahead
 ):
     message = walk_message((1, LEFT, 0.0, 0.14), (2, RIGHT, 0.2, -0.14))
     seen = observe()
@@ -179,9 +183,9 @@ def test_a_foot_that_landed_steps_again_if_it_gets_nearer_to_the_dcm(
         last_index=1,
     )
     transfer = walk.planner.land(progress, feet[LEFT].p_WF[:2], 0.0)
-    lost = feet[beyond].p_WF[:2] + outward(beyond) * np.array([0.0, 0.12])
+    lost = feet[foot].p_WF[:2] + np.array([ahead, outward(foot) * aside])
     outcome = walk.update(transfer, observe(above=lost), body, request, leaving=False)
-    if beyond == RIGHT:  # The foot that lifts off next is the right one.
+    if foot == RIGHT or ahead:  # The foot that lifts off next is the right one.
         assert outcome.state.brought_forward
         return
     swing = outcome.state

@@ -141,10 +141,10 @@ def test_what_cannot_be_is_repaired_and_said(imported):
     for words in (
         "inertia that no body has, that of its shape taken: trunk",
         "fixed as prismatic is not simulated: right_shoulder",
-        "effort limit 127 N·m, where the file has none: waist_yaw",
-        "velocity limit 10 rad/s, where the file has none: waist_yaw",
-        "link world and joint free are no parts",
-        "damping of 0.001 s/rad of the effort limit, where the file has none: left_sh",
+        "effort limit 127 N·m, where the file has none or 0: waist",
+        "velocity limit 10 rad/s, where the file has none or 0: waist",
+        "no parts of the robot, dropped: free, world",
+        "damping of 0.001 s/rad of the effort limit, where the file has none or 0: l",
     ):
         assert words in said
     assert "right_shoulder" not in robot.joint_names
@@ -222,7 +222,7 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
     monkeypatch.chdir(tmp_path)
     source = tmp_path / "published.urdf"
     source.write_text(PLAIN)
-    assert main(["import", str(source), "--no-trial", "--name", "my bird"]) == 0
+    assert main(["import", str(source), "--no-trial", "--name", "my_bird"]) == 0
     assert load_robot(tmp_path / "my_bird" / "robot.yaml").name == "my_bird"
     assert "left leg left_hip_yaw" in capsys.readouterr().out
     assert main(["import", "nobody"]) == 2
@@ -230,8 +230,8 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
     assert main(["import", "nobody.sdf"]) == 2
     assert "no such .urdf file" in capsys.readouterr().err
     (tmp_path / "taken").write_text("")
-    assert main(["import", str(source), "--no-trial", "--out", "taken/bird"]) == 2
-    assert re.search("error: .*taken.*: Not a directory", capsys.readouterr().err)
+    assert main(["import", str(source), "--no-trial", "--out", "taken/bird"]) == 3
+    assert re.search("! .*taken.*: (Not a d|File e)", capsys.readouterr().out)
     (tmp_path / "world.sdf").write_text("<sdf/>")
     assert main(["import", "world.sdf"]) == 2
     assert "only URDF is read" in capsys.readouterr().err
@@ -411,5 +411,7 @@ def test_a_sole_that_cannot_be_is_refused(imported, sole):
 
 
 def test_one_leg_is_not_two(imported):
-    with pytest.raises(ImportRefused, match="are on the same leg"):
+    with pytest.raises(ImportRefused, match="--feet: both are left_foot"):
         imported(options=ImportOptions(feet=("left_foot", "left_foot")))
+    with pytest.raises(ImportRefused, match="hips and left_foot: are on the same leg"):
+        imported(options=ImportOptions(feet=("hips", "left_foot")))

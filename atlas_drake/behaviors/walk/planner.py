@@ -39,12 +39,13 @@ from atlas_drake.behaviors.walk.steps import (
 )
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
-from atlas_drake.control.feet.footstep import landing_error
+from atlas_drake.control.feet.footstep import landing_error, outward
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 
 P = TypeVar("P", bound=WalkPhase)
 
@@ -124,13 +125,28 @@ class WalkPlanner:
     ) -> tuple[WalkSwing, tuple[Event, ...]] | None:
         """Makes the swing in which the foot that just landed catches the DCM.
 
-        The steps to come follow it. None if the other foot gets nearer to the DCM.
+        The steps to come follow it. None if the other foot gets nearer to the DCM, and
+        if the DCM has not left the sole mainly to its outer side: only there the other
+        foot would have to cross; ahead and behind it steps as it would have.
         """
+        foot = progress.last_foot
+        if foot is None or not self._is_aside(foot, progress, observation):
+            return None
         step = self._recovery_step(progress, observation, goes_on=True)
-        if step.foot != progress.last_foot:
+        if step.foot != foot:
             return None
         again = replace(step, index=progress.last_index)
         return self._catch(progress, again, observation.time)
+
+    def _is_aside(
+        self, foot: int, progress: WalkProgress, observation: Observation
+    ) -> bool:
+        """Returns True if the DCM lies beyond the outer side of a sole."""
+        pose = progress.feet[foot]
+        dcm = feedback.dcm(observation.terms, self._omega)
+        beyond_W = dcm - self._balance.support(pose).clamp(dcm)
+        ahead, left = rotation_z(pose.yaw)[:2, :2].T @ beyond_W
+        return bool(outward(foot) * left > abs(ahead))
 
     def _recovery_step(
         self, progress: WalkProgress, observation: Observation, goes_on: bool
