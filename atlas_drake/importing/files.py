@@ -82,7 +82,11 @@ def write_urdf(
         findings.add(LOST, f"collision shapes without a volume: {listed(flat)}")
     if meshes.lost:
         first, reason = next(iter(meshes.lost.items()))
-        findings.add(LOST, f"{len(meshes.lost)} meshes, such as {first}: {reason}")
+        findings.add(
+            LOST,
+            f"{len(meshes.lost)} meshes, neither seen nor felt, such as {first}: "
+            f"{reason}",
+        )
     path = folder / URDF
     etree.ElementTree(root).write(
         str(path), pretty_print=True, xml_declaration=True, encoding="utf-8"
