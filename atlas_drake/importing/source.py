@@ -17,7 +17,6 @@ USUAL = {
     "g1": "g1_29dof_rev_1_0",
     "icub": "icub_reduced",
     "romeo": "romeo_small",
-    "alex": "alex_nub_hands",
     "alexander": "alexander_v1.lowerBodyOnly",
     "jvrc": "jvrc1",
 }

@@ -19,7 +19,13 @@ from pydrake.solvers import Solve
 
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.importing.findings import FOUND, GUESSED, Findings, ImportRefused
+from atlas_drake.importing.findings import (
+    FOUND,
+    GUESSED,
+    LOST,
+    Findings,
+    ImportRefused,
+)
 from atlas_drake.importing.repairs import listed
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
@@ -79,7 +85,7 @@ def find_stand_prep(
     context = plant.CreateDefaultContext()
     for joint, angle in zip(joints, angles, strict=True):
         joint.set_angle(context, angle)
-    _check_efforts(plant, context, file, joints, legs)
+    _check_efforts(plant, context, file, joints, findings)
     height = _com_height(plant, context, file)
     mass, inertias = plant.CalcTotalMass(context), _inertias(plant, context, joints)
     gains = _gains(file, legs, mass, height, inertias)
@@ -202,23 +208,29 @@ def _com_height(plant: Any, context: Any, file: RobotFile) -> float:
 
 
 def _check_efforts(
-    plant: Any, context: Any, file: RobotFile, joints: list[Any], legs: tuple[Leg, Leg]
+    plant: Any, context: Any, file: RobotFile, joints: list[Any], findings: Findings
 ) -> None:
-    """Refuses a robot whose legs cannot carry it in its pose."""
+    """Refuses a robot whose legs or back cannot carry it in its pose."""
+    weak = []
     load = np.array([0.0, 0.0, 0.5 * GRAVITY * plant.CalcTotalMass(context)])
     torque = -plant.CalcGravityGeneralizedForces(context)
     for foot in file.feet:
         J = _jacobian(plant, context, plant.GetFrameByName(foot.sole_frame))
         torque = torque - J.T @ load
-    for place in np.concatenate([leg.joints for leg in legs]):
-        joint = joints[place]
+    for entry, joint in zip(file.joints, joints, strict=True):
         has = plant.GetJointActuatorByName(joint.name()).effort_limit()
         needed = abs(float(torque[joint.velocity_start()]))
-        if needed > CARRIES * has:
+        if needed <= CARRIES * has:
+            continue
+        if entry.limb not in (*LEGS, "back"):
+            weak.append(f"{joint.name()} {has:.3g} of {needed:.3g} N·m")
+        else:
             raise ImportRefused(
                 f"joint {joint.name()}: has {has:.3g} N·m, and standing on both feet "
                 f"needs {needed:.3g}: shuffled efforts?"
             )
+    if weak:
+        findings.add(LOST, f"the pose of joints too weak for it: {listed(weak)}")
 
 
 def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:

@@ -19,6 +19,9 @@ from .replaced import limits
          r"left_ankle_pitch: goes from 0.2 to 2 rad.*needs about -0.35"),
         (limits("right_knee", 'lower="0" upper="2" effort="4" velocity="9"'),
          r"right_knee: has 4 N·m, and standing on both feet needs"),
+        # The trunk's center of mass lies ahead of a waist that pitches.
+        ((r'(<link name="trunk">.*?<origin xyz=")0(.*?<axis xyz=")0 0 1(.*?effort=")80',
+          r'\g<1>0.1\g<2>0 1 0\g<3>9'), r"waist_yaw: has 9 N·m, and standing .* needs"),
         (limits("waist_yaw", 'lower="1" upper="-1" effort="4" velocity="9"'),
          r"waist_yaw: goes from 1 to -1 rad, backward"),
         ((r'(<joint name="left_ankle_roll" type=")revolute', r"\g<1>fixed"),
