@@ -22,12 +22,11 @@ from atlas_drake.importing.findings import (
 from atlas_drake.importing.options import HEADINGS, ImportOptions
 from atlas_drake.importing.repairs import fix, listed, turn_root
 from atlas_drake.importing.tree import Tree
+from atlas_drake.importing.upper_body import find_upper_body
 from atlas_drake.robot import LEGS, LIMBS
 from atlas_drake.robot.leg import KNEE, NUM_JOINTS
 from atlas_drake.rotations import rotation_z
 
-MOST_ARM_JOINTS = 7
-"""Joints of an arm; what is beyond them is the hand."""
 LEAST_LEG = 3
 """Joints from which a limb is taken for a leg, to say what it lacks."""
 EVEN = 0.3
@@ -37,11 +36,6 @@ STRAIGHT = math.radians(1.0)
 """Angle from an axis up to which the robot faces along it [rad]."""
 BENT = 0.5
 """Bend of the knee that shows where the robot faces [rad]."""
-ASIDE = 0.08
-"""Least distance of an arm from the middle, in heights of the chest above the feet
-[-]; what is nearer is a neck."""
-TRUNK_SHARE = 0.6
-"""Share of the joints above the pelvis from which a branch is the trunk [-]."""
 
 
 @dataclass
@@ -80,8 +74,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
         limbs |= dict.fromkeys((joint.name for joint in leg), limb)
         findings.add(FOUND, f"{side} leg {', '.join(joint.name for joint in leg)}")
     findings.add(FOUND, f"pelvis {tree.root}, feet {feet[0]} and {feet[1]}")
-    anatomy = Anatomy(tree.root, tree.root, (feet[0], feet[1]), (), limbs)
-    _find_upper_body(tree, anatomy, options, findings)
+    above = tree.poses()[tree.root][2, 3] - tree.poses()[feet[0]][2, 3]
+    chest, hands = find_upper_body(tree, limbs, float(above), options, findings)
     loose = [
         joint
         for joint in tree.joints.values()
@@ -92,10 +86,10 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     if loose:
         names = listed([joint.name for joint in loose])
         findings.add(REPAIRED, f"fixed as part of a hand, or of no limb: {names}")
-    anatomy.limbs = {
+    ordered = {
         name: limb for one in LIMBS for name, limb in limbs.items() if limb == one
     }
-    return anatomy
+    return Anatomy(tree.root, chest, (feet[0], feet[1]), hands, ordered)
 
 
 def _feet(tree: Tree, options: ImportOptions) -> list[str]:
@@ -214,123 +208,3 @@ def _check_leg(side: str, leg: list[Any]) -> None:
             f"the {side} leg has {len(leg)} moving joints ({names}); must have "
             f"{NUM_JOINTS}: three of the hip, the knee, two of the ankle"
         )
-
-
-def _find_upper_body(
-    tree: Tree, anatomy: Anatomy, options: ImportOptions, findings: Findings
-) -> None:
-    """Finds back, chest, neck, arms and hands."""
-    limbs, poses = anatomy.limbs, tree.poses()
-    chest, branches = tree.root, _branches(tree, tree.root, limbs)
-    while branches:
-        sizes = [_size(tree, joint) for joint in branches]
-        largest = int(np.argmax(sizes))
-        trunk = branches[largest]
-        if sizes[largest] < TRUNK_SHARE * sum(sizes) or _is_limb(tree, trunk, poses):
-            break
-        limbs[trunk.name] = "back"
-        chest = trunk.child
-        beside = [joint for joint in branches if joint is not trunk]
-        branches = [*_branches(tree, chest, limbs), *beside]
-    if options.chest is not None:
-        trunk = [tree.root, *(tree.joints[name].child for name in limbs
-                              if limbs[name] == "back")]  # fmt: skip
-        chest = tree.body_named("chest", options.chest)
-        if chest not in trunk:
-            raise ImportRefused(
-                f"--chest {options.chest}: is no link of the trunk, {listed(trunk)}"
-            )
-    anatomy.chest = chest
-    height = abs(poses[chest][2, 3] - poses[anatomy.feet[0]][2, 3])
-    ends: dict[str, str] = {}
-    # A lamp or a camera beside an arm is smaller than the arm.
-    for joint in sorted(branches, key=lambda joint: _extent(tree, joint), reverse=True):
-        places = [poses[link][1, 3] for link in tree.all_below(joint.child)]
-        farthest = max(places, key=abs)
-        limb = "neck"
-        if abs(farthest) > ASIDE * height:
-            limb = "l_arm" if farthest > 0.0 else "r_arm"
-        if limb in ends:
-            continue
-        ends[limb] = _name_chain(tree, joint, limb, limbs, options.fingers)
-    arms = [limb for limb in ("l_arm", "r_arm") if limb in ends]
-    if options.hands is not None:
-        anatomy.hands = _hands(tree, limbs, options.hands)
-    elif len(arms) == 2:
-        anatomy.hands = tuple(ends[limb] for limb in arms)
-    else:
-        findings.add(FOUND, "no pair of arms")
-    counts = {
-        limb: sum(one == limb for one in limbs.values())
-        for limb in dict.fromkeys(limbs.values())
-        if not limb.endswith("leg")
-    }
-    others = ", ".join(f"{limb} of {count}" for limb, count in counts.items())
-    findings.add(FOUND, f"chest {chest}, {others or 'no other joints'}")
-
-
-def _hands(
-    tree: Tree, limbs: dict[str, str], named: tuple[str, str]
-) -> tuple[str, ...]:
-    """Returns the links of the left and the right hand, named in any order."""
-    bodies = {}
-    for name in named:
-        body = tree.body_named("hands", name)
-        for joint in tree.chain(body):
-            bodies[limbs.get(joint.name)] = body
-    if not {"l_arm", "r_arm"} <= set(bodies):
-        raise ImportRefused(f"--hands {' '.join(named)}: are not on both arms")
-    return bodies["l_arm"], bodies["r_arm"]
-
-
-def _branches(tree: Tree, link: str, limbs: dict[str, str]) -> list[Any]:
-    return [joint for joint in tree.moving_below(link) if joint.name not in limbs]
-
-
-def _size(tree: Tree, joint: Any) -> int:
-    return 1 + len(_all_moving(tree, joint.child))
-
-
-def _extent(tree: Tree, joint: Any) -> tuple[int, float]:
-    """Returns the number of joints and the mass of a branch [kg]."""
-    return _size(tree, joint), tree.mass_of(list(tree.all_below(joint.child)))
-
-
-def _is_limb(tree: Tree, joint: Any, poses: dict[str, np.ndarray]) -> bool:
-    """Returns True for a chain without branches to both sides: a neck or an arm."""
-    places = [poses[link][1, 3] for link in tree.all_below(joint.child)]
-    both_sides = min(places) < 0.0 < max(places)
-    return _size(tree, joint) <= MOST_ARM_JOINTS and not (
-        both_sides and len(_forks(tree, joint)) > 1
-    )
-
-
-def _forks(tree: Tree, joint: Any) -> list[Any]:
-    """Returns the joints at which a chain first branches."""
-    below = tree.moving_below(joint.child)
-    return _forks(tree, below[0]) if len(below) == 1 else below
-
-
-def _name_chain(
-    tree: Tree, joint: Any, limb: str, limbs: dict[str, str], fingers: bool
-) -> str:
-    """Gives the joints of a chain their limb; returns the link at its end."""
-    limbs[joint.name] = limb
-    for _ in range(MOST_ARM_JOINTS - 1):
-        below = tree.moving_below(joint.child)
-        if len(below) != 1:
-            break
-        joint = below[0]
-        limbs[joint.name] = limb
-    if fingers and limb.endswith("arm"):
-        hand = limb.replace("arm", "hand")
-        for name in (j.name for j in _all_moving(tree, joint.child)):
-            limbs[name] = hand
-    return str(joint.child)
-
-
-def _all_moving(tree: Tree, link: str) -> list[Any]:
-    found = []
-    for joint in tree.moving_below(link):
-        found += [joint, *_all_moving(tree, joint.child)]
-    return found

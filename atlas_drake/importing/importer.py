@@ -31,13 +31,13 @@ from atlas_drake.importing.findings import (
     Findings,
     ImportRefused,
 )
+from atlas_drake.importing.inertias import repair_inertias
 from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.overlaps import clear_arms, overlapping
 from atlas_drake.importing.repairs import (
     drop_virtual_root,
     fix_joints,
-    repair_inertias,
     repair_limits,
 )
 from atlas_drake.importing.soles import Soles, find_soles

@@ -6,7 +6,6 @@ but refused where it is found.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -21,7 +20,6 @@ from atlas_drake.importing.findings import (
     Findings,
     ImportRefused,
 )
-from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.tree import MOVING, Tree
 
 LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3
@@ -33,19 +31,6 @@ USUAL_EFFORT = 0.3
 USUAL_DAMPING = 1e-3
 """Damping where a file has none, per effort limit [s/rad]: Atlas' joints have 0.1
 N·m·s/rad. Without any, soles of JVRC-1 that landed tilted chattered."""
-LEAST_MASS = 1e-3
-"""Mass of a moving link without one [kg]."""
-LEAST_SIZE = 0.005
-"""Least edge of the box about a link's shapes [m]."""
-LEAST_TOTAL = 0.1
-"""Mass below which a file has none [kg]."""
-DENSITY = 1000.0
-"""Of a link whose size is not known, as a cube [kg/m³]."""
-LEAST_INERTIA = 1e-7
-"""Least principal moment that is no error, per mass [m²]."""
-ROUNDED, EXACT = 1e-3, 1e-6
-"""Error of the largest principal moment that is rounding, and what is left to spare
-[-]."""
 _SHOWN = 6
 
 
@@ -167,95 +152,6 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
         findings.add(GUESSED, f"{text}, where the file has none or 0: {listed(names)}")
     if rubs:
         findings.add(LOST, f"friction of joints, not simulated: {listed(rubs)}")
-
-
-def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None:
-    """Gives links a mass and an inertia that a body can have."""
-    impossible, none, massless = list[str](), list[str](), list[str]()
-    weightless, shapeless = list[str](), list[str]()
-    reach = float(np.ptp([X[:3, 3] for X in tree.poses().values()], axis=0).max())
-    for name, link in tree.links.items():
-        inertial = link.inertial
-        if inertial is not None:
-            mass = float(inertial.mass or 0.0)
-            if not math.isfinite(mass) or mass < 0.0:
-                raise ImportRefused(f"link {name}: its mass is {mass:g} kg")
-            if mass == 0.0:
-                link.inertial = None
-                weightless.append(name)
-            elif (near := _nearly_possible(mass, inertial.inertia, reach)) is not None:
-                inertial.inertia = near
-            else:
-                given = inertial.inertia
-                is_zero = given is None or not np.any(np.asarray(given, float))
-                box = _box(tree, name, mass, inertial.origin, meshes)
-                if box is None:
-                    shapeless.append(name)
-                    size = max(np.cbrt(mass / DENSITY), LEAST_SIZE)
-                    box = mass / 6.0 * size**2 * np.eye(3)
-                else:
-                    (none if is_zero else impossible).append(name)
-                inertial.inertia = box
-    total = tree.mass_of(list(tree.links))
-    if not total > LEAST_TOTAL:
-        raise ImportRefused(f"all links have {total:g} kg together: masses are missing")
-    for joint in tree.joints.values():
-        if not tree.moves(joint):
-            continue
-        parts = tree.parts_of(joint.child)
-        below = list(tree.all_below(joint.child))
-        if tree.mass_of(parts) == 0.0 and len(below) == len(parts):
-            link = tree.links[joint.child]
-            X = np.eye(4)
-            inertia = LEAST_MASS * LEAST_SIZE**2 * np.eye(3)
-            link.inertial = urdf.Inertial(X, LEAST_MASS, inertia)
-            massless.append(joint.child)
-    for names, what in (
-        (impossible, "inertia that no body has"),
-        (none, "inertia of zero or none"),
-    ):
-        if names:
-            findings.add(REPAIRED, f"{what}, that of its shape taken: {listed(names)}")
-    if shapeless:
-        text = f"inertia of a cube of {DENSITY:g} kg/m³, without inertia and shape"
-        findings.add(GUESSED, f"{text}: {listed(shapeless)}")
-    if weightless:
-        findings.add(LOST, f"inertia of links without mass: {listed(weightless)}")
-    if massless:
-        findings.add(REPAIRED, f"no mass, 1 g taken: {listed(massless)}")
-
-
-def _nearly_possible(mass: float, inertia: Any, reach: float) -> np.ndarray | None:
-    """Returns a central inertia [kg·m²] that a body can have; None if it is far off.
-
-    Principal moments keep the triangle inequality; rounding of the file is made up for.
-    No link is larger than the robot, whose frames ``reach`` so far [m].
-    """
-    if inertia is None:
-        return None
-    given = np.asarray(inertia, dtype=float)
-    small, middle, large = np.linalg.eigvalsh(0.5 * (given + given.T))
-    beyond = large - small - middle
-    if small < LEAST_INERTIA * mass or beyond > ROUNDED * large:
-        return None
-    if large > mass * reach**2:
-        return None
-    more: np.ndarray = given + max(beyond + EXACT * large, 0.0) * np.eye(3)
-    return more
-
-
-def _box(
-    tree: Tree, name: str, mass: float, X_LC: np.ndarray, meshes: MeshLibrary
-) -> np.ndarray | None:
-    """Returns the inertia of the box about a link's shapes [kg·m²]; None without."""
-    link = tree.links[name]
-    for shapes in (link.collisions, link.visuals):
-        points = meshes.vertices(shapes, np.linalg.inv(X_LC))
-        if len(points):
-            x, y, z = np.maximum(np.ptp(points, axis=0), LEAST_SIZE) ** 2
-            inertia: np.ndarray = mass / 12.0 * np.diag([y + z, x + z, x + y])
-            return inertia
-    return None
 
 
 def listed(names: list[str]) -> str:

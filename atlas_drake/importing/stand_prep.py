@@ -21,11 +21,11 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.importing.findings import (
     FOUND,
-    GUESSED,
     LOST,
     Findings,
     ImportRefused,
 )
+from atlas_drake.importing.joint_defaults import default_gains, rotor_inertias
 from atlas_drake.importing.repairs import listed
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
@@ -42,22 +42,6 @@ CARRIES = 0.95
 """Share of its effort limit that a joint may need to stand [-]."""
 MARGIN = 0.01
 """Distance of the pose from the end stops [rad]."""
-LEG_GAINS = {
-    "hip": 1.5,
-    "hip pitch": 2.7,
-    "knee": 2.7,
-    "ankle": 1.5,
-    "ankle pitch": 2.0,
-}
-LIMB_GAINS = {"back": 1.3, "neck": 0.05, "arm": 0.3, "hand": 0.02}
-"""Default position gains, in weights times heights of the center of mass [1/rad]."""
-DAMPING = 0.02
-"""Default derivative gain per position gain and root of the height [s/√m]."""
-LEG_INERTIA, OTHER_INERTIA = 1e-4, 1e-5
-"""Least inertia about a joint of a leg, and of others, per mass and squared height of
-the center of mass [-]; Atlas' ankle roll has 1.2e-4."""
-SLOWEST_TICK = 0.009
-"""Control period with which a derivative gain must be stable [s]."""
 
 
 def find_stand_prep(
@@ -88,12 +72,12 @@ def find_stand_prep(
     _check_efforts(plant, context, file, joints, findings)
     height = _com_height(plant, context, file)
     mass, inertias = plant.CalcTotalMass(context), _inertias(plant, context, joints)
-    gains = _gains(file, legs, mass, height, inertias)
+    gains = default_gains(file, legs, mass, height, inertias)
     findings.add(
         FOUND,
         f"{mass:.1f} kg, center of mass {height:.3f} m high, {len(joints)} joints",
     )
-    rotors = _rotor_inertias(file, mass * height**2, inertias, findings)
+    rotors = rotor_inertias(file, mass * height**2, inertias, findings)
     posed = [
         replace(joint, stand_prep=round(float(angle), 5), kp=kp, kd=kd)
         for joint, angle, (kp, kd) in zip(file.joints, angles, gains, strict=True)
@@ -246,60 +230,3 @@ def _inertias(plant: Any, context: Any, joints: list[Any]) -> list[float]:
     M = plant.CalcMassMatrix(context)
     starts = [joint.velocity_start() for joint in joints]
     return [float(M[start, start]) for start in starts]
-
-
-def _rotor_inertias(
-    file: RobotFile, scale: float, inertias: list[float], findings: Findings
-) -> dict[str, float]:
-    """Returns rotor inertias for joints that turn hardly any inertia [kg·m²].
-
-    URDF files have the links' inertias only. A foot that is light without its motors
-    spins by tens of rad/s before the ground that the controller counts on is there.
-    """
-    found = {}
-    for joint, inertia in zip(file.joints, inertias, strict=True):
-        share = LEG_INERTIA if joint.limb in LEGS else OTHER_INERTIA
-        if inertia < share * scale:
-            found[joint.name] = share * scale - inertia
-    if found:
-        least, most = min(found.values()), max(found.values())
-        findings.add(
-            GUESSED,
-            f"rotor inertia of {least:.1g} to {most:.1g} kg·m², as the links alone are "
-            f"too light: {listed(list(found))}",
-        )
-    return found
-
-
-def _gains(
-    file: RobotFile,
-    legs: tuple[Leg, Leg],
-    mass: float,
-    height: float,
-    inertias: list[float],
-) -> list[tuple[float, float]]:
-    """Returns default kp and kd of each joint.
-
-    They hold the stand-prep pose; a light link has no more than a slow tick bears.
-    """
-    scale = GRAVITY * mass * height
-    per_kp = DAMPING * math.sqrt(height)
-    roles: dict[int, str] = {}
-    for leg in legs:
-        roles |= dict.fromkeys(leg.joints[:3].tolist(), "hip")
-        roles |= dict.fromkeys(leg.joints[4:].tolist(), "ankle")
-        roles |= {
-            leg.hip_pitch: "hip pitch",
-            leg.knee: "knee",
-            leg.ankle_pitch: "ankle pitch",
-        }
-    gains = []
-    for place, (entry, inertia) in enumerate(zip(file.joints, inertias, strict=True)):
-        if place in roles:
-            kp = LEG_GAINS[roles[place]] * scale
-        else:
-            kind = entry.limb.removeprefix("l_").removeprefix("r_")
-            most = 0.5 * inertia / SLOWEST_TICK / per_kp
-            kp = min(LIMB_GAINS[kind] * scale, most)
-        gains.append((kp, per_kp * kp))
-    return gains
