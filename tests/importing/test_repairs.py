@@ -98,7 +98,7 @@ def test_colors_are_read_as_they_are_meant(imported, rgba):
          rf'\1<material name="m"><color rgba="{rgba}"/></material>')
     )  # fmt: skip
     (found,) = re.findall(r'rgba="([^"]*)"', robot.urdf.read_text())
-    np.testing.assert_allclose([float(one) for one in found.split()][0], 0.5, atol=0.01)
+    assert list(map(float, found.split())) == pytest.approx([0.5, 0.5, 0.5, 1], abs=0.01)
 
 
 def test_a_fixed_joint_stays_where_it_would_be(imported):
