@@ -98,7 +98,8 @@ def test_colors_are_read_as_they_are_meant(imported, rgba):
          rf'\1<material name="m"><color rgba="{rgba}"/></material>')
     )  # fmt: skip
     (found,) = re.findall(r'rgba="([^"]*)"', robot.urdf.read_text())
-    assert list(map(float, found.split())) == pytest.approx([0.5, 0.5, 0.5, 1], abs=0.01)
+    rgba = [float(one) for one in found.split()]
+    assert rgba == pytest.approx([0.5, 0.5, 0.5, 1.0], abs=0.01)
 
 
 def test_a_fixed_joint_stays_where_it_would_be(imported):
