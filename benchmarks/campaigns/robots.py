@@ -59,6 +59,7 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
     steps = (PUSHED_WALK if pushed else NUM_STEPS) if walks else 0
     gait = sim.scenario.controller_config().gait()
     push_time = sim.time if pushed else math.inf
+    end = sim.time
     stream = None
     if walks:
         longest = gait.longest_stride
@@ -75,11 +76,9 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
             force = float(parameters["speed"]) * sim.robot.mass / PUSH_DURATION
             force_W = [force * math.cos(angle), force * math.sin(angle), 0.0]
             sim.apply_push(sim.robot.file.pushed[-1], force_W, PUSH_DURATION)
-            push_time = math.inf
-            sim.advance(STANDING)
-            continue
+            push_time, end = math.inf, sim.time + STANDING
         over = stream is None or stream.is_over(sim.atlas_sim_interface_state)
-        if over and push_time == math.inf and _stands(sim):
+        if over and push_time == math.inf and sim.time >= end and _stands(sim):
             break
         command = stream and stream.next_command(sim.atlas_sim_interface_state)
         if command is not None:

@@ -208,6 +208,17 @@ def test_a_walk_reports_its_phases_and_steps_as_they_come_up(two_steps):
 
 
 @pytest.mark.slow
+def test_a_step_that_comes_late_lands_on_its_place(walk_message):
+    robot = Recording()
+    robot.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.4, -0.14)))
+    assert robot.advance(LONGEST, stepping(2))
+    robot.sim.publish(walk_message((3, 0, 0.6, 0.14), (4, 1, 0.6, -0.14)))
+    assert robot.advance(LONGEST, in_stand)
+    assert [step["index"] for step in robot.sim.footsteps] == [1, 2, 3, 4]
+    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
+
+
+@pytest.mark.slow
 def test_a_walk_is_changed_asked_to_stand_and_frozen(walk_message):
     robot = Recording()
     robot.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.4, -0.14)))

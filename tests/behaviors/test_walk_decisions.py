@@ -467,6 +467,25 @@ def test_steps_that_come_while_the_robot_settles_are_taken(
         assert walk.control(phase).advance(phase, seen, False) == (phase, ())
 
 
+def test_a_step_that_comes_in_the_swing_of_the_last_known_one_gets_a_weight_shift(
+    walk, observe, swinging, walk_message
+):
+    known = swinging(LEFT, 0.1)
+    assert not known.stops
+    one = as_request(walk_message((1, LEFT, 0.2, 0.14)))
+    last = walk.planner.swing(shifting(walk, observe(), one, 0.0).progress, 0.0)
+    assert last.stops
+    # The second step comes after the plan of the first one was made to come to rest.
+    late = replace(last.progress, pending=known.progress.pending)
+    for swing, kind in ((last, FinalTransfer), (known, Transfer)):
+        landed = walk.planner.land(late, swing.planned.cop, 0.0, 0.0, swing.stops)
+        assert isinstance(landed, kind)
+    settle = walk.planner.land(late, last.planned.cop, 0.0, 0.0, True)
+    again, _ = walk.control(settle).advance(settle, observe(), False)
+    assert isinstance(again, InitialTransfer)
+    assert again.unloading == RIGHT
+
+
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
     walk, observe, swinging, foot

@@ -167,6 +167,7 @@ class WalkSwing(WalkPhase):
     sent: Footstep  # The same step as commanded
     motion: swing_foot.FootSwing  # Reference of the swing foot
     sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
+    stops: bool  # Whether its plan comes to rest, as no step was known after it
     carrying: ContactPatch | None = None  # Part of the stance sole, if it tipped
 
     @property

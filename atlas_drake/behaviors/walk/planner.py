@@ -214,6 +214,7 @@ class WalkPlanner:
         )
         coming = self.coming(begun, step)
         return WalkSwing(
+            stops=len(coming) == 1,
             progress=begun,
             plan=self._plan(begun, coming, cop, duration, swinging=True),
             support=self._balance.support(stance),
@@ -250,6 +251,7 @@ class WalkPlanner:
             phase,
             step=step,
             plan=self._plan(progress, coming, cop, duration, swinging=True),
+            stops=len(coming) == 1,
             duration=duration,
             motion=phase.motion.landing_sooner(sooner),
         )
@@ -260,13 +262,16 @@ class WalkPlanner:
         cop: np.ndarray,
         early: float,
         landed: float = 0.0,
+        stops: bool = False,
     ) -> Transfer | FinalTransfer:
         """Makes the phase after a touchdown ``early`` by [s]: transfer or settling.
 
-        The foot landed with a pitch of ``landed`` [rad].
+        The foot landed with a pitch of ``landed`` [rad]. After a swing that ``stops``
+        the DCM is near the middle of the feet: steps that came too late for its plan
+        need a shift of the weight, as from rest.
         """
         coming = self.coming(progress)
-        if not coming:
+        if not coming or stops:
             return self.final_transfer(progress, cop)
         # The next touchdown is planned one step duration after this planned touchdown.
         duration = self._config.timing.transfer(coming[0].duration)

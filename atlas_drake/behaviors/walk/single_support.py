@@ -117,7 +117,8 @@ class SingleSupport(PhaseControl[WalkSwing]):
         sent = step if phase.progress.last_was_recovery else phase.sent
         event = footstep_event(observation.time, sent, step, landed)
         cop = phase.planned.cop
-        return self._planner.land(progress, cop, early, pitch), (event,)
+        landing = self._planner.land(progress, cop, early, pitch, phase.stops)
+        return landing, (event,)
 
     def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
         """Moves the landing, in place and time, when the ankles cannot hold the DCM."""
