@@ -240,6 +240,7 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
         sent=steps[0],
         motion=None,
         sensitivity=1.0,
+        stops=False,
     )
     assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     late = dataclasses.replace(lifted, elapsed=swing + 0.1)
