@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -103,7 +104,7 @@ def _package(text: str) -> tuple[str, Path]:
     name, separator, folder = text.partition("=")
     if not (separator and name):
         raise argparse.ArgumentTypeError(f"is {text!r}; must be NAME=FOLDER")
-    path = Path(folder)
+    path = Path(os.path.expanduser(folder))
     if not path.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {path}")
     return name, path.absolute()

@@ -96,7 +96,7 @@ def _try(
             write_picture(log, trial, robot, folder / PICTURE)
         except FilmError as error:
             progress.say(f"! there is no picture: {error}")
-    progress.say(f"Wrote the report: {folder}/report.md")
+    progress.say(f"Wrote the report: {folder / PAGE}")
     progress.say(f"Try it: atlas-drake teleop --model {folder}/robot.yaml")
     done = trial.stands and trial.walks
     return exit_status.OK if done else exit_status.FAILED

@@ -18,9 +18,10 @@ from atlas_drake.importing.findings import (
     REPAIRED,
     Findings,
     ImportRefused,
+    listed,
 )
 from atlas_drake.importing.options import HEADINGS, ImportOptions
-from atlas_drake.importing.repairs import fix, listed, turn_root
+from atlas_drake.importing.repairs import fix, turn_root
 from atlas_drake.importing.tree import Tree
 from atlas_drake.importing.upper_body import find_upper_body
 from atlas_drake.robot import LEGS, LIMBS
@@ -74,8 +75,7 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
         limbs |= dict.fromkeys((joint.name for joint in leg), limb)
         findings.add(FOUND, f"{side} leg {', '.join(joint.name for joint in leg)}")
     findings.add(FOUND, f"pelvis {tree.root}, feet {feet[0]} and {feet[1]}")
-    above = tree.poses()[tree.root][2, 3] - tree.poses()[feet[0]][2, 3]
-    chest, hands = find_upper_body(tree, limbs, float(above), options, findings)
+    chest, hands = find_upper_body(tree, limbs, feet[0], options, findings)
     loose = [
         joint
         for joint in tree.joints.values()
@@ -84,8 +84,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     for joint in loose:
         fix(tree, joint)
     if loose:
-        names = listed([joint.name for joint in loose])
-        findings.add(REPAIRED, f"fixed as part of a hand, or of no limb: {names}")
+        names = [joint.name for joint in loose]
+        findings.add(REPAIRED, "fixed as part of a hand, or of no limb", names)
     ordered = {
         name: limb for one in LIMBS for name, limb in limbs.items() if limb == one
     }
@@ -161,8 +161,7 @@ def _fix_below_root(tree: Tree, legs: list[list[Any]], findings: Findings) -> No
         fix(tree, joint)
         fixed.append(joint.name)
     if fixed:
-        between = f"fixed, between the root and the legs: {listed(fixed)}"
-        findings.add(REPAIRED, between)
+        findings.add(REPAIRED, "fixed, between the root and the legs", fixed)
 
 
 def _turn(

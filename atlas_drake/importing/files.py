@@ -21,7 +21,6 @@ from atlas_drake.importing.meshes import (
     write_hull,
     write_visible,
 )
-from atlas_drake.importing.repairs import listed
 from atlas_drake.importing.soles import Soles
 from atlas_drake.importing.tree import Tree
 from atlas_drake.robot import RobotFile
@@ -79,7 +78,7 @@ def write_urdf(
     upright[:3, :3] = X[anatomy.chest][:3, :3].T
     _add_frame(root, UPRIGHT, anatomy.chest, upright)
     if flat:
-        findings.add(LOST, f"collision shapes without a volume: {listed(flat)}")
+        findings.add(LOST, "collision shapes without a volume", flat)
     if meshes.lost:
         first, reason = next(iter(meshes.lost.items()))
         findings.add(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from atlas_drake.errors import AtlasError
 
 FOUND, GUESSED, REPAIRED, LOST = "found", "guessed", "repaired", "left out"
+_SHOWN = 6
 
 
 class ImportRefused(AtlasError):
@@ -26,11 +27,20 @@ class Findings:
     say: Callable[[str], object]
     lines: list[tuple[str, str]] = field(default_factory=list)
 
-    def add(self, kind: str, text: str) -> None:
-        """Adds a finding of one of the kinds above."""
+    def add(self, kind: str, text: str, names: Sequence[str] = ()) -> None:
+        """Adds a finding of one of the kinds above, about links or joints by name."""
+        if names:
+            text = f"{text}: {listed(names)}"
         self.lines.append((kind, text))
         self.say(f"{kind:>9}  {text}")
 
     def of(self, kind: str) -> list[str]:
         """Returns the texts of one kind."""
         return [text for known, text in self.lines if known == kind]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Returns the first names, and how many more there are."""
+    more = len(names) - _SHOWN
+    text = ", ".join(names[:_SHOWN])
+    return f"{text} and {more} more" if more > 0 else text

@@ -34,7 +34,7 @@ from atlas_drake.importing.findings import (
 from atlas_drake.importing.inertias import repair_inertias
 from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.overlaps import clear_arms, overlapping
+from atlas_drake.importing.overlaps import Shapes, clear_arms, overlapping
 from atlas_drake.importing.repairs import (
     drop_virtual_root,
     fix_joints,
@@ -113,8 +113,9 @@ def _make(
     try:
         file, rotors = find_stand_prep(unposed, urdf, findings)
         add_rotors(urdf, rotors)
-        file = clear_arms(urdf, file, findings)
-        file = replace(file, no_collisions=overlapping(urdf, file, findings))
+        shapes = Shapes(urdf, file)
+        file = clear_arms(shapes, file, findings)
+        file = replace(file, no_collisions=overlapping(shapes, file, findings))
         notes = [text for kind in (REPAIRED, GUESSED) for text in findings.of(kind)]
         load_robot(write_yaml(file, folder, source.name, notes))
     except RobotDescriptionError as error:

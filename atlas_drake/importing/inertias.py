@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from atlas_drake.importing.findings import (
     ImportRefused,
 )
 from atlas_drake.importing.meshes import MeshLibrary
-from atlas_drake.importing.repairs import listed
 from atlas_drake.importing.tree import Tree
 
 LEAST_MASS = 1e-3
@@ -32,8 +30,6 @@ LEAST_INERTIA = 1e-7
 ROUNDED, EXACT = 1e-3, 1e-6
 """Error of the largest principal moment that is rounding, and what is left to spare
 [-]."""
-
-
 IMPOSSIBLE = REPAIRED, "inertia that no body has, that of its shape taken"
 MISSING = REPAIRED, "inertia of zero or none, that of its shape taken"
 WEIGHTLESS = LOST, "inertia of links without mass"
@@ -69,7 +65,7 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
             link.inertial = urdf.Inertial(np.eye(4), LEAST_MASS, inertia)
             found.setdefault(MASSLESS, []).append(joint.child)
     for (kind, text), names in found.items():
-        findings.add(kind, f"{text}: {listed(names)}")
+        findings.add(kind, text, names)
 
 
 def _repair(
@@ -78,7 +74,7 @@ def _repair(
     """Repairs the mass and the inertia of a link; returns what the fault was."""
     inertial = link.inertial
     mass, given = float(inertial.mass or 0.0), inertial.inertia
-    if not math.isfinite(mass) or mass < 0.0:
+    if mass < 0.0:
         raise ImportRefused(f"link {link.name}: its mass is {mass:g} kg")
     if mass == 0.0:
         link.inertial = None

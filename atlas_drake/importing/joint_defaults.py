@@ -6,7 +6,6 @@ import math
 
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.importing.findings import GUESSED, Findings
-from atlas_drake.importing.repairs import listed
 from atlas_drake.robot import LEGS, Leg, RobotFile
 
 LEG_GAINS = {
@@ -46,7 +45,8 @@ def rotor_inertias(
         findings.add(
             GUESSED,
             f"rotor inertia of {least:.1g} to {most:.1g} kg·m², as the links alone are "
-            f"too light: {listed(list(found))}",
+            "too light",
+            list(found),
         )
     return found
 

@@ -14,7 +14,6 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings
-from atlas_drake.importing.repairs import listed
 from atlas_drake.robot import RobotFile
 from atlas_drake.robot.parsing import parse
 
@@ -58,13 +57,17 @@ class Shapes:
         for joint, angle in zip(self.joints, pose, strict=True):
             joint.set_angle(self._context, angle)
 
+    def _bodies(self, query: Any, pair: Any) -> list[Any]:
+        """Returns the bodies of the two shapes of a pair."""
+        frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
+        return [self.plant.GetBodyFromFrameId(frame) for frame in frames]
+
     def inside(self, pose: np.ndarray) -> Iterable[tuple[Any, Any, float]]:
         """Yields pairs of bodies that overlap, by name, with their depth [m]."""
         self._put(pose)
         query = self.plant.get_geometry_query_input_port().Eval(self._context)
         for pair in query.ComputePointPairPenetration():
-            frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
-            bodies = map(self.plant.GetBodyFromFrameId, frames)
+            bodies = self._bodies(query, pair)
             one, other = sorted(bodies, key=lambda body: str(body.name()))
             if pair.depth > OVERLAP:
                 yield one, other, pair.depth
@@ -80,10 +83,7 @@ class Shapes:
         query = self.plant.get_geometry_query_input_port().Eval(self._context)
         least = self.apart
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(self.apart):
-            frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
-            one, other = (
-                self.plant.GetBodyFromFrameId(frame).index() for frame in frames
-            )
+            one, other = (body.index() for body in self._bodies(query, pair))
             if (one in far and other not in own) or (other in far and one not in own):
                 least = min(least, float(pair.distance))
         return least
@@ -96,13 +96,12 @@ class Shapes:
         )
 
 
-def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
+def clear_arms(shapes: Shapes, file: RobotFile, findings: Findings) -> RobotFile:
     """Returns the file with shoulders turned so that the arms swing free.
 
     Forearms and hands keep a distance from legs and trunk, if one joint of the shoulder
     can do it: the one with the least turn, or that which comes nearest to it.
     """
-    shapes = Shapes(urdf, file)
     pose = np.array([joint.stand_prep for joint in file.joints])
     for arm in ("l_arm", "r_arm"):
         places = [k for k, joint in enumerate(file.joints) if joint.limb == arm]
@@ -130,9 +129,8 @@ def clear_arms(urdf: Path, file: RobotFile, findings: Findings) -> RobotFile:
     return replace(file, joints=joints)
 
 
-def overlapping(urdf: Path, file: RobotFile, findings: Findings) -> list[list[str]]:
+def overlapping(shapes: Shapes, file: RobotFile, findings: Findings) -> list[list[str]]:
     """Returns pairs of links whose shapes overlap, in or near the stand-prep pose."""
-    shapes = Shapes(urdf, file)
     pose = np.array([joint.stand_prep for joint in file.joints])
     random = np.random.default_rng(0)
     found: dict[tuple[str, str], float] = {}
@@ -147,8 +145,6 @@ def overlapping(urdf: Path, file: RobotFile, findings: Findings) -> list[list[st
                 found[pair] = max(depth, found.get(pair, 0.0))
     if found:
         pairs = [f"{a}/{b} {1e3 * d:.0f} mm" for (a, b), d in found.items()]
-        findings.add(
-            REPAIRED,
-            f"{len(found)} pairs of shapes overlap, and do not touch: {listed(pairs)}",
-        )
+        text = f"{len(found)} pairs of shapes overlap, and do not touch"
+        findings.add(REPAIRED, text, pairs)
     return [list(pair) for pair in sorted(found)]

@@ -1,4 +1,4 @@
-"""Mends what no robot can have: virtual roots, joints without motors, inertias, limits.
+"""Mends what no robot can have: virtual roots, joints without motors, no limits.
 
 Each repair is a finding. What decides whether the robot can stand is not repaired here
 but refused where it is found.
@@ -19,8 +19,9 @@ from atlas_drake.importing.findings import (
     REPAIRED,
     Findings,
     ImportRefused,
+    listed,
 )
-from atlas_drake.importing.tree import MOVING, Tree
+from atlas_drake.importing.tree import MOTIONS, MOVING, Tree
 
 LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3
 """Limits that no motor has [N·m], [rad/s]: files say so for "not known"."""
@@ -31,7 +32,6 @@ USUAL_EFFORT = 0.3
 USUAL_DAMPING = 1e-3
 """Damping where a file has none, per effort limit [s/rad]: Atlas' joints have 0.1
 N·m·s/rad. Without any, soles of JVRC-1 that landed tilted chattered."""
-_SHOWN = 6
 
 
 def drop_virtual_root(tree: Tree, findings: Findings) -> None:
@@ -46,7 +46,9 @@ def drop_virtual_root(tree: Tree, findings: Findings) -> None:
         floats = len(joints) == 1 and joints[0].type == "floating"
         if not joints or not (root == "world" or floats):
             return
-        kept, *others = sorted(joints, key=lambda joint: -_num_moving(tree, joint))
+        kept, *others = sorted(
+            joints, key=lambda joint: -len(tree.all_moving_below(joint.child))
+        )
         gone = [root, *(link for one in others for link in tree.all_below(one.child))]
         for link in gone:
             for joint in tree.below(link):
@@ -57,11 +59,6 @@ def drop_virtual_root(tree: Tree, findings: Findings) -> None:
         findings.add(
             REPAIRED, f"no parts of the robot, dropped: {kept.name}, {listed(gone)}"
         )
-
-
-def _num_moving(tree: Tree, joint: Any) -> int:
-    links = tree.all_below(joint.child)
-    return sum(tree.moves(one) for link in links for one in tree.below(link))
 
 
 def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
@@ -86,7 +83,7 @@ def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
             reasons.setdefault(reason, []).append(joint.name)
             fix(tree, joint)
     for reason, names in reasons.items():
-        findings.add(REPAIRED, f"fixed {reason}: {listed(names)}")
+        findings.add(REPAIRED, f"fixed {reason}", names)
 
 
 def fix(tree: Tree, joint: Any) -> None:
@@ -94,14 +91,11 @@ def fix(tree: Tree, joint: Any) -> None:
 
     That is zero, or what it has if the joint that it mimics is at zero.
     """
-    if joint.type in (*MOVING, "prismatic"):
+    if joint.type in MOTIONS:
         lower, upper = tree.limits(joint)
         at = 0.0 if joint.mimic is None else float(joint.mimic.offset or 0.0)
         at = min(max(at, lower), upper)
-        if joint.type == "prismatic":
-            joint.origin = joint.origin.copy()
-            joint.origin[:3, 3] += at * joint.origin[:3, :3] @ joint.axis
-        elif at:
+        if at:
             poses = tree.poses({joint.name: at})
             joint.origin = np.linalg.inv(poses[joint.parent]) @ poses[joint.child]
     joint.type, joint.mimic, joint.limit, joint.dynamics = "fixed", None, None, None
@@ -149,13 +143,6 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
             guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
-        findings.add(GUESSED, f"{text}, where the file has none or 0: {listed(names)}")
+        findings.add(GUESSED, f"{text}, where the file has none or 0", names)
     if rubs:
-        findings.add(LOST, f"friction of joints, not simulated: {listed(rubs)}")
-
-
-def listed(names: list[str]) -> str:
-    """Returns the first names, and how many more there are."""
-    more = len(names) - _SHOWN
-    text = ", ".join(names[:_SHOWN])
-    return f"{text} and {more} more" if more > 0 else text
+        findings.add(LOST, "friction of joints, not simulated", rubs)

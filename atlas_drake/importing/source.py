@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, files
@@ -25,10 +26,10 @@ USUAL = {
 
 def find_source(given: str) -> Path:
     """Returns the URDF file of a path or of a robot's name, absolute."""
+    path = Path(os.path.expanduser(given))
     try:
-        path = Path(given).expanduser()
         is_file, is_folder = path.is_file(), path.is_dir()
-    except (OSError, RuntimeError) as error:  # No such user; a name too long.
+    except OSError as error:  # A name too long.
         raise ImportRefused(f"{given}: {error}") from None
     if path.suffix and is_file:
         if path.suffix.lower() != ".urdf":

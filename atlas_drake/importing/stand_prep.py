@@ -1,4 +1,4 @@
-"""The stand-prep pose of a robot, and its default gains."""
+"""The stand-prep pose of a robot: flat soles below its center of mass."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ from atlas_drake.importing.findings import (
     ImportRefused,
 )
 from atlas_drake.importing.joint_defaults import default_gains, rotor_inertias
-from atlas_drake.importing.repairs import listed
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
@@ -214,7 +213,7 @@ def _check_efforts(
                 f"needs {needed:.3g}: shuffled efforts?"
             )
     if weak:
-        findings.add(LOST, f"the pose of joints too weak for it: {listed(weak)}")
+        findings.add(LOST, "the pose of joints too weak for it", weak)
 
 
 def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:

@@ -20,7 +20,9 @@ from atlas_drake.importing.elements import check_elements
 from atlas_drake.importing.findings import ImportRefused
 
 MOVING = ("revolute", "continuous")
-_TYPES = (*MOVING, "prismatic", "fixed", "floating", "planar")
+MOTIONS = (*MOVING, "prismatic")
+"""Joints of one degree of freedom; those that turn may be a limb's."""
+_TYPES = (*MOTIONS, "fixed", "floating", "planar")
 DEEPEST = 200
 """Links from the root to the end of a chain that no robot has [-]."""
 
@@ -57,25 +59,11 @@ class Tree:
     def _check(self) -> None:
         above: dict[str, str] = {}
         for joint in self.joints.values():
-            if joint.type not in _TYPES:
-                raise ImportRefused(
-                    f"joint {joint.name}: its type is {joint.type!r}; must be one of "
-                    f"{', '.join(_TYPES)}"
-                )
-            for end in (joint.parent, joint.child):
-                if end not in self.links:
-                    raise ImportRefused(f"joint {joint.name}: there is no link {end}")
+            self._check_joint(joint)
             if joint.child in above:
                 both = f"{above[joint.child]} and {joint.name}"
                 raise ImportRefused(f"link {joint.child}: hangs on two joints, {both}")
             above[joint.child] = joint.name
-            if joint.axis is None:
-                joint.axis = np.array([1.0, 0.0, 0.0])
-            if joint.type in (*MOVING, "prismatic"):
-                length = float(np.linalg.norm(joint.axis))
-                if not length > 1e-6:
-                    raise ImportRefused(f"joint {joint.name}: its axis is {joint.axis}")
-                joint.axis = np.asarray(joint.axis, dtype=float) / length
         for link in self.links.values():
             placed = [*link.visuals, *link.collisions]
             if link.inertial is not None:
@@ -87,6 +75,31 @@ class Tree:
             named = ", ".join(roots) or "none"
             raise ImportRefused(f"the tree must have one root link, and has {named}")
         self.index()
+        self._check_depth(roots)
+
+    def _check_joint(self, joint: Any) -> None:
+        """Checks type, links and axis; an axis gets the length 1."""
+        if joint.type not in _TYPES:
+            raise ImportRefused(
+                f"joint {joint.name}: its type is {joint.type!r}; must be one of "
+                f"{', '.join(_TYPES)}"
+            )
+        for end in (joint.parent, joint.child):
+            if end not in self.links:
+                raise ImportRefused(f"joint {joint.name}: there is no link {end}")
+        if joint.axis is None:
+            joint.axis = np.array([1.0, 0.0, 0.0])
+        if joint.type in MOTIONS:
+            length = float(np.linalg.norm(joint.axis))
+            if not length > 1e-6:
+                raise ImportRefused(f"joint {joint.name}: its axis is {joint.axis}")
+            joint.axis = np.asarray(joint.axis, dtype=float) / length
+
+    def _check_depth(self, roots: list[str]) -> None:
+        """Checks, link by link from the root, that all hang on it, and none too deep.
+
+        Only after it may links be followed by recursion.
+        """
         reached, level, depth = set(roots), roots, 0
         while level:
             level = [joint.child for link in level for joint in self.below(link)]
@@ -165,10 +178,17 @@ class Tree:
             found += [joint] if self.moves(joint) else self.moving_below(joint.child)
         return found
 
-    def poses(self, angles: Mapping[str, float] | None = None) -> dict[str, np.ndarray]:
+    def all_moving_below(self, link: str) -> list[Any]:
+        """Returns all moving joints below a link."""
+        above = [self.joint_above(part) for part in self.all_below(link)][1:]
+        return [joint for joint in above if self.moves(joint)]
+
+    def poses(
+        self, positions: Mapping[str, float] | None = None
+    ) -> dict[str, np.ndarray]:
         """Computes the pose of each link in the root's frame, shape (4, 4).
 
-        Joints that ``angles`` [rad] do not name are at zero.
+        Joints that ``positions`` [rad], [m] do not name are at zero.
         """
         found = {self.root: np.eye(4)}
         pending = [self.root]
@@ -176,10 +196,9 @@ class Tree:
             link = pending.pop()
             for joint in self.below(link):
                 X = found[link] @ joint.origin
-                angle = (angles or {}).get(joint.name, 0.0)
-                if angle and joint.type in MOVING:
-                    turn = AngleAxis(angle, joint.axis)
-                    X = X @ RigidTransform(turn, [0.0, 0.0, 0.0]).GetAsMatrix4()
+                at = (positions or {}).get(joint.name, 0.0)
+                if at:
+                    X = X @ _motion(joint, at).GetAsMatrix4()
                 found[joint.child] = X
                 pending.append(joint.child)
         return found
@@ -210,6 +229,13 @@ class Tree:
         """Returns the mass of links [kg]."""
         inertials = [self.links[name].inertial for name in links]
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
+
+
+def _motion(joint: Any, at: float) -> RigidTransform:
+    """Returns the motion of a joint to a position [rad] or [m]."""
+    if joint.type in MOVING:
+        return RigidTransform(AngleAxis(at, joint.axis), [0.0, 0.0, 0.0])
+    return RigidTransform(at * joint.axis)
 
 
 def _by_name(kind: str, parts: Iterable[Any]) -> dict[str, Any]:

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.importing.findings import FOUND, Findings, ImportRefused
+from atlas_drake.importing.findings import FOUND, Findings, ImportRefused, listed
 from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.repairs import listed
 from atlas_drake.importing.tree import Tree
 
 MOST_ARM_JOINTS = 7
@@ -23,26 +22,25 @@ TRUNK_SHARE = 0.6
 def find_upper_body(
     tree: Tree,
     limbs: dict[str, str],
-    above: float,
+    foot: str,
     options: ImportOptions,
     findings: Findings,
 ) -> tuple[str, tuple[str, ...]]:
     """Finds back, chest, neck, arms and hands; returns the links of chest and hands.
 
-    ``limbs`` has the joints of the legs, and gets the others; the root is ``above`` the
-    feet by so much [m].
+    ``limbs`` has the joints of the legs, and gets the others; ``foot`` is one of the
+    feet's links.
     """
     poses = tree.poses()
     chest, branches = tree.root, _branches(tree, tree.root, limbs)
     while branches:
         sizes = [_size(tree, joint) for joint in branches]
-        largest = int(np.argmax(sizes))
-        trunk = branches[largest]
-        if sizes[largest] < TRUNK_SHARE * sum(sizes) or _is_limb(tree, trunk, poses):
+        largest = branches[sizes.index(max(sizes))]
+        if max(sizes) < TRUNK_SHARE * sum(sizes) or _is_limb(tree, largest, poses):
             break
-        limbs[trunk.name] = "back"
-        chest = trunk.child
-        beside = [joint for joint in branches if joint is not trunk]
+        limbs[largest.name] = "back"
+        chest = largest.child
+        beside = [joint for joint in branches if joint is not largest]
         branches = [*_branches(tree, chest, limbs), *beside]
     if options.chest is not None:
         trunk = [tree.root, *(tree.joints[name].child for name in limbs
@@ -52,24 +50,22 @@ def find_upper_body(
             raise ImportRefused(
                 f"--chest {options.chest}: is no link of the trunk, {listed(trunk)}"
             )
-    height = abs(poses[chest][2, 3] + above)
+    height = abs(poses[chest][2, 3] - poses[foot][2, 3])
     ends: dict[str, str] = {}
     # A lamp or a camera beside an arm is smaller than the arm.
     for joint in sorted(branches, key=lambda joint: _extent(tree, joint), reverse=True):
-        places = [poses[link][1, 3] for link in tree.all_below(joint.child)]
-        farthest = max(places, key=abs)
+        farthest = max(_sides(tree, joint, poses), key=abs)
         limb = "neck"
         if abs(farthest) > ASIDE * height:
             limb = "l_arm" if farthest > 0.0 else "r_arm"
         if limb in ends:
             continue
         ends[limb] = _name_chain(tree, joint, limb, limbs, options.fingers)
-    arms = [limb for limb in ("l_arm", "r_arm") if limb in ends]
     hands: tuple[str, ...] = ()
     if options.hands is not None:
         hands = _hands(tree, limbs, options.hands)
-    elif len(arms) == 2:
-        hands = tuple(ends[limb] for limb in arms)
+    elif {"l_arm", "r_arm"} <= ends.keys():
+        hands = ends["l_arm"], ends["r_arm"]
     else:
         findings.add(FOUND, "no pair of arms")
     counts = {
@@ -101,7 +97,7 @@ def _branches(tree: Tree, link: str, limbs: dict[str, str]) -> list[Any]:
 
 
 def _size(tree: Tree, joint: Any) -> int:
-    return 1 + len(_all_moving(tree, joint.child))
+    return 1 + len(tree.all_moving_below(joint.child))
 
 
 def _extent(tree: Tree, joint: Any) -> tuple[int, float]:
@@ -109,10 +105,15 @@ def _extent(tree: Tree, joint: Any) -> tuple[int, float]:
     return _size(tree, joint), tree.mass_of(list(tree.all_below(joint.child)))
 
 
+def _sides(tree: Tree, joint: Any, poses: dict[str, np.ndarray]) -> list[float]:
+    """Returns how far to the left the links of a branch are [m]."""
+    return [float(poses[link][1, 3]) for link in tree.all_below(joint.child)]
+
+
 def _is_limb(tree: Tree, joint: Any, poses: dict[str, np.ndarray]) -> bool:
     """Returns True for a chain without branches to both sides: a neck or an arm."""
-    places = [poses[link][1, 3] for link in tree.all_below(joint.child)]
-    both_sides = min(places) < 0.0 < max(places)
+    sides = _sides(tree, joint, poses)
+    both_sides = min(sides) < 0.0 < max(sides)
     return _size(tree, joint) <= MOST_ARM_JOINTS and not (
         both_sides and len(_forks(tree, joint)) > 1
     )
@@ -137,13 +138,6 @@ def _name_chain(
         limbs[joint.name] = limb
     if fingers and limb.endswith("arm"):
         hand = limb.replace("arm", "hand")
-        for name in (j.name for j in _all_moving(tree, joint.child)):
-            limbs[name] = hand
+        fingers_of = tree.all_moving_below(joint.child)
+        limbs |= dict.fromkeys((finger.name for finger in fingers_of), hand)
     return str(joint.child)
-
-
-def _all_moving(tree: Tree, link: str) -> list[Any]:
-    found = []
-    for joint in tree.moving_below(link):
-        found += [joint, *_all_moving(tree, joint.child)]
-    return found

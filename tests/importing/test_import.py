@@ -111,6 +111,19 @@ def test_packages_are_found_by_name_manifest_and_option(tmp_path):
     assert resolve("package://renamed/meshes/a.stl", urdf, {}) == mesh
 
 
+def test_a_tilde_is_the_home_folder(tmp_path, monkeypatch, source, capsys):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "meshes").mkdir()
+    given = [f"~/{source.name}", "--package", "bot=~/meshes", "--no-trial"]
+    assert main(["import", *given, "--out", "bird"]) == 0
+    capsys.readouterr()
+    assert main(["import", "~no-such-user/x.urdf"]) == 2
+    assert (
+        "~no-such-user/x.urdf: there is no such .urdf file" in capsys.readouterr().err
+    )
+
+
 def test_the_command_writes_robots_and_says_what_is_wrong(
     source, tmp_path, capsys, monkeypatch
 ):
