@@ -280,6 +280,19 @@ def test_of_an_empty_step_nothing_is_read():
     assert made.walk_params.step_queue[3] == AtlasBehaviorStepData()
 
 
+def test_a_home_step_and_repeated_steps_request_nothing():
+    command = filled_command(AtlasSimInterfaceCommand)
+    queue = command.walk_params.step_queue
+    # Teleoperation programs leave all else of it at zero.
+    home = AtlasBehaviorStepData(step_index=0)
+    home.pose.orientation.w = 0.0
+    queue[1].step_index, queue[2].step_index = 1, 2
+    command.walk_params.step_queue = [home, queue[1], queue[2], queue[2]]
+    made = accepted(command).message.walk_params.step_queue
+    empty = AtlasBehaviorStepData()
+    assert list(made) == [empty, queue[1], queue[2], empty]
+
+
 @pytest.mark.parametrize("indices", [(1, 1, 2, 3), (2, 1, 3, 4), (1, 2, 4, 3)])
 def test_step_indices_must_increase(indices):
     command = filled_command(AtlasSimInterfaceCommand)
@@ -297,7 +310,7 @@ def test_step_indices_must_increase(indices):
 
 def test_codes_tell_indices_behaviors_and_values_apart():
     for path, value, code in (
-        ("walk_params.step_queue[2].step_index", 0, ErrorCode.INVALID_INDEX),
+        ("walk_params.step_queue[2].step_index", -2, ErrorCode.INVALID_INDEX),
         ("step_params.desired_step.foot_index", 2, ErrorCode.INVALID_INDEX),
         ("behavior", "stroll", ErrorCode.NO_SUCH_BEHAVIOR),
         ("stand_params", None, ErrorCode.VALUE_OUT_OF_RANGE),

@@ -6,7 +6,9 @@ each step.
 
 from __future__ import annotations
 
+import itertools
 import math
+from bisect import bisect_left
 from collections.abc import Mapping
 from typing import Any
 
@@ -67,12 +69,18 @@ def merge(
 
     Indices below ``first_open`` have begun, and are ignored.
     """
-    steps = {step.index: step for step in pending}
+    steps = list(pending)
     for data in sent:
         if data.step_index != NO_STEP and data.step_index >= first_open:
             step = footstep_from(data, relative)
-            steps[step.index] = step
-    return tuple(steps[index] for index in sorted(steps))
+            place = bisect_left(steps, step.index, key=_index)
+            replaces = place < len(steps) and steps[place].index == step.index
+            steps[place : place + replaces] = [step]
+    return tuple(steps)
+
+
+def _index(step: Footstep) -> int:
+    return step.index
 
 
 def replaced(
@@ -96,13 +104,19 @@ def _content(step: Footstep) -> tuple[float, ...]:
     )
 
 
-def next_runs(pending: tuple[Footstep, ...], index: int) -> tuple[Footstep, ...]:
-    """Returns the steps from ``index`` on without a gap in their indices."""
-    run: list[Footstep] = []
-    for step in pending:
-        if step.index == index + len(run):
-            run.append(step)
-    return tuple(run)
+def next_runs(
+    pending: tuple[Footstep, ...], index: int, most: int
+) -> tuple[Footstep, ...]:
+    """Returns the steps from ``index`` on without a gap in their indices.
+
+    Args:
+        pending: Steps by index, none of them below ``index``.
+        index: Index of the first step.
+        most: Greatest number of steps to return.
+    """
+    expected = zip(pending[:most], itertools.count(index))
+    run = itertools.takewhile(lambda entry: entry[0].index == entry[1], expected)
+    return tuple(step for step, _ in run)
 
 
 def footstep_event(

@@ -72,7 +72,8 @@ class AtlasBehaviorWalkFeedback(Message):
         t_step_rem: Time until the swing foot touches down, or in double support until
             the next touchdown [s]; 0 if no step follows.
         current_step_index: Number of the step being taken; 0 before the first.
-        next_step_index_needed: First index that the next step queue should hold.
+        next_step_index_needed: Index that WALK looks for at the next touchdown: the
+            first one that it does not have, at most the present one plus four.
         status_flags: ``WALK_...`` bits; exactly one substate while WALK is active.
         step_queue_saturated: The steps after saturation, as they will be taken.
     """

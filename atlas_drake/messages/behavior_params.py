@@ -30,6 +30,8 @@ NUM_REQUIRED_WALK_STEPS = 4
 
 NO_STEP = -1
 """The ``step_index`` of an entry that requests no step."""
+HOME_STEP = 0
+"""The ``step_index`` of the pose in which a foot stands as WALK begins."""
 
 StepIndex = Annotated[Index, Interval(ge=1, le=MAX_INDEX)]
 """Number of a step, or NO_STEP."""
@@ -37,13 +39,17 @@ FootIndex = Annotated[Index, Interval(ge=0, le=1)]
 """0 left, 1 right."""
 
 
-def unless_empty(kind: type[Message]) -> WrapValidator:
-    """Returns the annotation of a step of which nothing is read if it is NO_STEP."""
+def unless_empty(kind: type[Message], *others: int) -> WrapValidator:
+    """Returns the annotation of a step of which nothing is read if it is NO_STEP.
+
+    ``others`` are further indices that request no step.
+    """
     empty = kind().freeze()
 
     def read(step: Any, check: Any) -> Any:
         index = step.step_index if isinstance(step, kind) else None  # type: ignore[attr-defined]
-        return empty if is_whole(index) and index == NO_STEP else check(step)
+        requests_none = is_whole(index) and index in (NO_STEP, *others)
+        return empty if requests_none else check(step)
 
     return WrapValidator(read)
 
@@ -54,7 +60,7 @@ class AtlasBehaviorStepData(Message):
 
     Attributes:
         step_index: Number of the step, counted from 1; -1 means no step. 0 is the pose
-            of the foot when the behavior began; it appears in reports only.
+            in which the foot stands as WALK begins, which a queue may begin with.
         foot_index: 0 left, 1 right.
         duration: Duration of the whole step, from one touchdown to the next [s]; 0.63 s
             is customary.
@@ -71,22 +77,27 @@ class AtlasBehaviorStepData(Message):
 
 
 OptionalStep = Annotated[AtlasBehaviorStepData, unless_empty(AtlasBehaviorStepData)]
+QueueEntry = Annotated[
+    AtlasBehaviorStepData, unless_empty(AtlasBehaviorStepData, HOME_STEP)
+]
 
 
 def _in_order(
     queue: tuple[AtlasBehaviorStepData, ...],
 ) -> tuple[AtlasBehaviorStepData, ...]:
-    """Check length and indices of a step queue."""
+    """Check length and indices of a step queue; a repeated step becomes empty."""
     if len(queue) != NUM_REQUIRED_WALK_STEPS:
         raise ValueError(
             f"must have {NUM_REQUIRED_WALK_STEPS} entries, has {len(queue)}; an empty "
             "AtlasBehaviorStepData() is no step"
         )
-    last = 0
+    last, steps = 0, list(queue)
     for place, step in enumerate(queue):
         if step.step_index == NO_STEP:
             continue
-        if step.step_index <= last:
+        if step in queue[:place]:
+            steps[place] = AtlasBehaviorStepData().freeze()
+        elif step.step_index <= last:
             raise InvalidMessageError(
                 f"[{place}].step_index",
                 step.step_index,
@@ -94,11 +105,11 @@ def _in_order(
                 ErrorCode.INVALID_INDEX,
             )
         last = step.step_index
-    return queue
+    return tuple(steps)
 
 
 StepQueue = Annotated[
-    list[AtlasBehaviorStepData], several(OptionalStep), AfterValidator(_in_order)
+    list[AtlasBehaviorStepData], several(QueueEntry), AfterValidator(_in_order)
 ]
 """The steps that WALK previews, empty ones included."""
 
@@ -113,8 +124,9 @@ class AtlasBehaviorWalkParams(Message):
     """Parameters of WALK.
 
     Attributes:
-        step_queue: The next four steps. Indices increase and feet alternate; entries
-            at the end may be empty.
+        step_queue: The next four steps. Indices increase and feet alternate. Entries
+            may be empty, have index 0 or repeat a step before them: they request
+            nothing.
         use_demo_walk: Ignore the queue and walk a predefined path.
         use_relative_step_height: A step's z is relative to the stance foot instead of
             to the world.

@@ -1,7 +1,7 @@
 """Twenty steps as a trial, each time a little different.
 
-Steps are streamed as a script would: four at a time, when the robot asks for them. A
-walk may be given a push, at a random moment of two steps. The limits are in
+Steps are streamed as a script would: four at a time, when the robot needs them. A walk
+may be given a push, at a random moment of two steps. The limits are in
 ``walking.yaml`` and ``pushes.yaml``.
 """
 
@@ -17,9 +17,9 @@ import numpy as np
 
 from atlas_drake import (
     AtlasBehaviorStepData,
-    AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
+    StepStream,
 )
 
 NUM_STEPS = 20
@@ -29,8 +29,6 @@ STEP_DURATION = 0.63
 """[s]"""
 SWING_HEIGHT = 0.1
 """[m]"""
-QUEUE = 4
-"""Steps per message."""
 STANDING = 1.0
 """Time in STAND before the first step, and after the last [s]."""
 LONGEST = 25.0
@@ -116,26 +114,18 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
         latest = push.earliest + 2.0 * STEP_DURATION
         moment = random.Random(sim.scenario.seed)
         push_time = moment.uniform(push.earliest, latest)
-    sent = 0
+    stream = StepStream(steps)
     while not sim.has_fallen and sim.time < LONGEST:
-        feedback = sim.atlas_sim_interface_state.walk_feedback
-        needed = feedback.next_step_index_needed if sent else 1
-        # Hold steps back as long as the robot knows of enough of them.
-        if sent < num_steps and needed - feedback.current_step_index <= QUEUE:
-            queue = steps[needed - 1 : needed - 1 + QUEUE]
-            command = AtlasSimInterfaceCommand()
-            command.behavior = command.WALK
-            for place, step in enumerate(queue):
-                command.walk_params.step_queue[place] = step
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
             sim.publish(command)
-            sent = queue[-1].step_index
         target = sim.time + POLL
         if push is not None and sim.time < push_time <= target:
             sim.advance_to(push_time)
             strike(sim, push, heading)
             push_time = math.inf
         sim.advance_to(target)
-        if sent == num_steps and sim.current_behavior is Behavior.STAND:
+        if stream.is_over(sim.atlas_sim_interface_state):
             break
     if not sim.has_fallen:
         sim.advance(STANDING)

@@ -80,11 +80,11 @@ def test_steps_that_have_begun_are_not_changed():
 
 def test_steps_beyond_a_gap_of_indices_are_not_next():
     pending = (step(3), step(4), step(6), step(7))
-    assert indices(next_runs(pending, 3)) == [3, 4]
-    assert indices(next_runs(pending, 4)) == [4]
-    assert indices(next_runs(pending, 6)) == [6, 7]
-    assert next_runs(pending, 5) == ()
-    assert next_runs((), 1) == ()
+    assert indices(next_runs(pending, 3, most=4)) == [3, 4]
+    assert indices(next_runs(pending[2:], 6, most=4)) == [6, 7]
+    assert indices(next_runs(pending[2:], 6, most=1)) == [6]
+    assert next_runs(pending[2:], 5, most=4) == ()
+    assert next_runs((), 1, most=4) == ()
 
 
 def test_a_tilted_step_goes_to_a_message_and_back():

@@ -343,6 +343,41 @@ def test_the_robot_steps_with_one_foot_on_a_tilted_block():
     assert not robot.sim.has_fallen
 
 
+@pytest.mark.slow
+def test_a_client_that_sends_at_every_state_stays_four_steps_ahead(walk_message):
+    robot = Recording()
+
+    def send():
+        first = robot.report.walk_feedback.next_step_index_needed
+        indices = range(first, first + 4)
+        robot.sim.publish(
+            walk_message(
+                *((i, i % 2, 0.1 * i, -0.14 + 0.28 * (i % 2 == 0)) for i in indices)
+            )
+        )
+
+    while len(robot.sim.footsteps) < 3:
+        send()
+        robot.advance(LOOK)
+        walk = robot.report.walk_feedback
+        ahead = walk.next_step_index_needed - walk.current_step_index
+        assert ahead <= 4
+    assert ahead == 4
+    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
+
+
+@pytest.mark.slow
+def test_steps_that_all_have_the_same_index_are_all_taken():
+    robot = Recording()
+    for number, foot in enumerate((LEFT, RIGHT), 1):
+        while len(robot.sim.footsteps) < number:
+            # The program repeats its message all the time.
+            robot.send(1, foot, 0.1, 0.14 if foot == LEFT else -0.14)
+            assert not robot.advance(0.1, lambda _: robot.sim.has_fallen)
+    assert [step["index"] for step in robot.sim.footsteps] == [1, 1]
+    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
+
+
 def test_a_step_is_reported_as_it_is_taken():
     robot = Recording()
     right = soles(robot.sim)[RIGHT]
@@ -373,8 +408,8 @@ def test_a_step_is_reported_as_it_is_taken():
 
 def test_a_step_out_of_reach_is_refused_and_the_next_one_taken():
     robot = Recording(model="atlas_v3")
-    # Too far down for its place, and too far up for any leg.
-    for count, (x, z) in enumerate(((-0.25, -0.15), (0.2, 0.22)), 1):
+    # Too far down for its place, too far up, and beyond the edge of what is up there.
+    for count, (x, z) in enumerate(((-0.25, -0.15), (0.2, 0.22), (0.6, 0.1)), 1):
         robot.send(1, LEFT, x, 0.13, z)
         robot.advance(0.04)
         left = robot.texts(STEPS_LEFT)

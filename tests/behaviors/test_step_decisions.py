@@ -615,18 +615,18 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
     assert higher == pytest.approx(height(settling) + 0.1)
 
 
-def test_a_step_that_comes_too_late_gives_one_warning(step, observe):
-    seen, command = observe(), request(2)
-    state = replace(entered(step, seen, request()), elapsed=9.0)
-    state = tick(step, state, seen, command).state
-    assert state.progress.index == 2
-    late = request(1)
-    outcome = tick(step, state, seen, late)
-    (event,) = outcome.events
-    assert event.text == "step 1 is not taken: the next one is 3"
-    assert tick(step, outcome.state, seen, late).events == ()
-    # The demonstration counts by itself.
-    demo = request(1)
-    demo.command.step_params.use_demo_walk = True
-    assert tick(step, state, seen, demo).events == ()
-    assert tick(step, state, seen, request(3)).events == ()
+def test_each_message_is_a_new_step_whatever_its_index_but_not_its_repetition(
+    step, observe
+):
+    seen, first = observe(), request(1)
+    state = shifting(step, seen, first)
+    assert step.tools.requested(state) is None
+    # Many clients send the same message all the time.
+    state = tick(step, state, seen, request(1)).state
+    assert step.tools.requested(state) is None
+    changed = tick(step, state, seen, request(1, foot=RIGHT)).state
+    assert step.tools.requested(changed).foot == RIGHT
+    again = tick(step, changed, seen, request(1, foot=RIGHT)).state
+    assert step.tools.requested(again).foot == RIGHT
+    withdrawn = tick(step, again, seen, request(NO_STEP)).state
+    assert step.tools.requested(withdrawn) is None

@@ -31,7 +31,7 @@ class StepProgress:
     index: int = 0  # Index of the present or last step; 0 before the first step
     leaving: bool = False  # True if STAND was requested with a foot in the air
     request: BehaviorRequest | None = None  # Last request read; None before the first
-    refused: BehaviorRequest | None = None  # The request whose step cannot be taken
+    done: BehaviorRequest | None = None  # Last request whose step has begun, or cannot
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,11 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.step.config import PostureRules
-from atlas_drake.control.feet.footstep import resolve_height, saturate
+from atlas_drake.control.feet.footstep import (
+    landing_error,
+    resolve_height,
+    saturate,
+)
 from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
     highest_sole,
@@ -95,9 +99,11 @@ class StepPlanner:
         limits = self._limits
         meant = resolve_height(desired, stance, limits)
         step = saturate(meant, stance, limits)
-        if abs(float(meant.p_WF[2] - stance.p_WF[2])) > limits.rise:
+        rise = abs(float(meant.p_WF[2] - stance.p_WF[2]))
+        level = rise < rules.level
+        is_astray = landing_error(meant, step.pose) > limits.astray
+        if rise > limits.rise or (is_astray and not level):
             return None
-        level = abs(float(step.p_WF[2] - stance.p_WF[2])) < rules.level
         shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
         for knee_effort in rules.knee_efforts:
             for share in shares:

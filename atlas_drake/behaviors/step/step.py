@@ -34,7 +34,7 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
 from atlas_drake.frozen import replace
-from atlas_drake.messages import NO_STEP, AtlasBehaviorStepFeedback, StepStatus
+from atlas_drake.messages import AtlasBehaviorStepFeedback, StepStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
@@ -86,7 +86,7 @@ class Step(BehaviorProtocol):
             shift_time=phase.shift_time + observation.dt,
             progress=replace(progress, leaving=leaving and cut_short),
         )
-        phase, events = self._read(phase, observation, request)
+        phase = self._read(phase, request)
         phase, news = self.control(phase).advance(phase, observation, leaving)
         control = self.control(phase)
         phase, feet = control.command_feet(phase, observation)
@@ -107,7 +107,7 @@ class Step(BehaviorProtocol):
             status_flags=StepStatus.SUBSTATE_SWAYING
             if phase.in_air is None
             else StepStatus.SUBSTATE_STEPPING,
-            events=(*events, *news, *left),
+            events=(*news, *left),
         )
 
     def plan(self, phase: StepState, com: np.ndarray, omega: float) -> Plan:
@@ -142,25 +142,22 @@ class Step(BehaviorProtocol):
 
     # ---- requests ------------------------------------------------------------
 
-    def _read(
-        self, phase: StepState, observation: Observation, request: BehaviorRequest
-    ) -> tuple[StepState, tuple[Event, ...]]:
-        """Warns of a new message whose step is too late to be taken."""
-        params, last = request.command.step_params, phase.progress.request
+    def _read(self, phase: StepState, request: BehaviorRequest) -> StepState:
+        """Takes a new message; one that repeats the last one requests no new step.
+
+        As in the original, the step's index need not grow: many clients send 1 always.
+        """
+        progress = phase.progress
+        last = progress.request
         if not request.is_newer(last):
-            return phase, ()
-        progress = replace(phase.progress, request=request)
-        phase = replace(phase, progress=progress)
-        if params.use_demo_walk:
-            return phase, ()
-        step = params.desired_step_spec if params.use_spec else params.desired_step
-        if step.step_index == NO_STEP or step.step_index > progress.index:
-            return phase, ()
-        if last is not None and params == last.command.step_params:
-            return phase, ()
-        following = progress.index + 1
-        text = f"step {step.step_index} is not taken: the next one is {following}"
-        return phase, (Event(observation.time, "warning", text),)
+            return phase
+        repeats = (
+            last is not None
+            and last is progress.done
+            and request.command.step_params == last.command.step_params
+        )
+        done = request if repeats else progress.done
+        return replace(phase, progress=replace(progress, request=request, done=done))
 
     # ---- STAND ---------------------------------------------------------------
 

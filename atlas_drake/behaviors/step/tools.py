@@ -207,7 +207,7 @@ class StepTools:
         plan = self.planner.plan(observation.terms, feet, desired)
         if plan is None:
             text = f"step {desired.index} is not taken: it is out of reach"
-            progress = replace(phase.progress, refused=phase.progress.request)
+            progress = replace(phase.progress, done=phase.progress.request)
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(phase, progress=progress), (event,)
         step = plan.taken
@@ -227,18 +227,14 @@ class StepTools:
         """Returns the requested step that has not begun, if any."""
         progress = phase.progress
         request = progress.request
-        if request is None or not request.is_newer(progress.refused):
+        if request is None or not request.is_newer(progress.done):
             return None
         params = request.command.step_params
         if params.use_demo_walk:
             index = progress.index + 1
-            desired = demo_step(phase.feet, index, self._default, self._gait)
-        else:
-            feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
-            desired = desired_step(params, feet_z, self._default, self._action)
-        if desired is None or desired.index <= progress.index:
-            return None
-        return desired
+            return demo_step(phase.feet, index, self._default, self._gait)
+        feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
+        return desired_step(params, feet_z, self._default, self._action)
 
     def _rest_on(
         self,
@@ -287,8 +283,12 @@ class StepTools:
             sway_duration=shift.duration,
             toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
         )
+        progress = replace(phase.progress, index=step.index)
+        request = progress.request
+        if request is not None and not request.command.step_params.use_demo_walk:
+            progress = replace(progress, done=request)
         return StepShift(
-            progress=replace(phase.progress, index=step.index),
+            progress=progress,
             feet=feet,
             support=support,
             hips=plan.hips,

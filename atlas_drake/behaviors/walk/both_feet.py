@@ -29,6 +29,9 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.messages.footstep import LEFT, RIGHT
 
+SHOWN = 10
+"""Number of steps that an event names one by one."""
+
 
 class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     """Shifts the weight and determines when a foot lifts off."""
@@ -197,8 +200,10 @@ def steps_left_out(
     """Makes an event of the steps that the walk leaves out, if any."""
     progress = phase.progress
     if progress.pending:
-        left = ", ".join(str(step.index) for step in progress.pending)
-        text = f"WALK ends without the steps {left}"
+        left = [step.index for step in progress.pending]
+        text = f"WALK ends without the steps {', '.join(map(str, left[:SHOWN]))}"
+        if len(left) > SHOWN:
+            text += f" and {len(left) - SHOWN} more"
         if phase.obstacle:
             text += f": {phase.obstacle}"
     elif progress.last_foot is None and not leaving:

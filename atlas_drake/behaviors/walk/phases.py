@@ -21,10 +21,13 @@ from atlas_drake.control.feet.foot_roll import rising
 from atlas_drake.control.feet.sole_motion import Pitch
 from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.frozen import replace
-from atlas_drake.messages import WalkStatus
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose, Footstep
+
+LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
+"""Number of steps in the plan."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,8 @@ class WalkProgress:
 
     @property
     def known(self) -> tuple[Footstep, ...]:
-        """Coming steps without a gap in their indices."""
-        return next_runs(self.pending, self.next_index)
+        """The next steps without a gap in their indices, as many as are planned."""
+        return next_runs(self.pending, self.next_index, LOOK_AHEAD)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ from atlas_drake.behaviors.footsteps import (
     pace_changed,
     step_data_from,
 )
-from atlas_drake.behaviors.walk.phases import WalkProgress
+from atlas_drake.behaviors.walk.phases import LOOK_AHEAD, WalkProgress
 from atlas_drake.control.feet.footstep import (
     ensure_clearance,
     heading_error,
@@ -37,9 +37,6 @@ from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
-
-LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
-"""Number of steps in the plan."""
 
 ROUNDING = 1e-9
 """A step that saturation moves by at most this much counts as unchanged [m], [rad]."""

@@ -32,7 +32,7 @@ from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.frozen import read_only, replace
-from atlas_drake.messages import AtlasBehaviorWalkFeedback
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
@@ -144,10 +144,13 @@ class Walk(BehaviorProtocol):
         """Returns timing and the steps as they will be executed."""
         progress = phase.progress
         step_preview = self.planner.step_preview(progress, phase.in_air)
+        first_unknown = progress.next_index + len(progress.known)
         return AtlasBehaviorWalkFeedback(
             t_step_rem=phase.time_to_touchdown(step_preview.steps, self._config.timing),
             current_step_index=progress.last_index,
-            next_step_index_needed=progress.next_index + len(progress.known),
+            next_step_index_needed=min(
+                first_unknown, progress.last_index + NUM_REQUIRED_WALK_STEPS
+            ),
             status_flags=status_flags,
             step_queue_saturated=list(step_preview.reported),
         )
@@ -181,11 +184,10 @@ class Walk(BehaviorProtocol):
             progress.last_foot,
         )
         # A step that a new message replaces may be warned of again.
-        new = replaced(progress.pending, pending)
+        merged = replace(progress, pending=pending)
+        new = replaced(progress.known, merged.known)
         warned = frozenset(about for about in progress.warned if about[0] not in new)
-        return replace(
-            phase, progress=replace(progress, pending=pending, warned=warned)
-        )
+        return replace(phase, progress=replace(merged, warned=warned))
 
     def _step_of(self, phase: WalkState) -> Footstep | None:
         """Returns the present step, or else the next one; None without one."""
