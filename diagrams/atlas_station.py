@@ -62,7 +62,14 @@ from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
-CONTROLLER_INPUTS = ("state", "foot_loads", "user_forecast", "commands", "imu")
+CONTROLLER_INPUTS = (
+    "state",
+    "foot_loads",
+    "foot_wrenches",
+    "user_forecast",
+    "commands",
+    "imu",
+)
 """Signals that a controller may read, see ``controller_socket``."""
 EXPORTED = (
     "record",

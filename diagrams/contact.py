@@ -116,7 +116,8 @@ def set_robot_dissipation(
     drakes = SceneGraphConfig().default_proximity_properties.hunt_crossley_dissipation
     inspector = scene_graph.model_inspector()
     for index in plant.GetBodyIndices(robot.instance(plant)):
-        for shape in plant.GetCollisionGeometriesForBody(plant.get_body(index)):
+        frame = plant.GetBodyFrameIdOrThrow(index)
+        for shape in inspector.GetGeometries(frame, Role.kProximity):
             properties = ProximityProperties(inspector.GetProximityProperties(shape))
             if not properties.HasProperty(*_PROPERTY):
                 properties.AddProperty(*_PROPERTY, 2.0 * drakes - RESTING)

@@ -18,9 +18,14 @@ from atlas_drake.behaviors.body_sway import BodySway, arm_swing
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.partial_foothold import TippingRules, carrying_part
-from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
+from atlas_drake.control.balance.foothold import WHOLE, Foothold, corners_down, observed
+from atlas_drake.control.balance.support_polygon import (
+    SupportPolygon,
+    area,
+    convex_hull,
+    thinned,
+)
+from atlas_drake.control.feet.sole import sole_patches, toe_corners
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.command import WholeBodyCommand
@@ -40,7 +45,8 @@ from atlas_drake.control.whole_body.tasks import (
     position_acceleration,
 )
 from atlas_drake.frozen import read_only, replace
-from atlas_drake.messages.footstep import FootPose
+from atlas_drake.messages.controller_status import MAX_CORNERS
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
 
@@ -241,43 +247,55 @@ class Balance:
         observation: Observation,
         foot: int,
         max_load: float = math.inf,
-        carrying: ContactPatch | None = None,
     ) -> FootCommand:
         """Commands a foot in contact to rest, loaded by at most ``max_load`` weights.
 
-        A sole that carries little is not counted on for more than it may soon carry.
+        A sole that carries little is not counted on for more than it may soon carry,
+        and only where it is known to carry.
         """
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
         patch = self._patches.whole if rests else self._patches.middle
-        if carrying is not None:
-            patch = carrying
+        part = observation.footholds[foot].part
+        if part is not None:
+            patch = replace(patch, corners=part)
         trusted = self._trusted(observation, foot)
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._contact(foot, patch, min(max_load, trusted)),
         )
 
-    def carrying_part(
-        self,
-        observation: Observation,
-        foot: int,
-        rest: np.ndarray,
-        so_far: ContactPatch | None,
-        rules: TippingRules,
-    ) -> ContactPatch | None:
-        """Finds the part of a sole that carries if the sole tips; else ``so_far``.
+    def footholds(
+        self, so_far: tuple[Foothold, Foothold], observation: Observation
+    ) -> tuple[Foothold, Foothold]:
+        """Returns what is known of both footholds in this tick."""
+        left, right = (
+            self._foothold(so_far[foot], observation, foot) for foot in (LEFT, RIGHT)
+        )
+        return left, right
 
-        ``rest`` is the normal of the sole when it rested, in W.
-        """
-        terms, whole = observation.terms.feet[foot], self._patches.whole
-        corners = (so_far or whole).corners
-        part = carrying_part(corners, terms.R_WF, terms.V_WF, rest, rules)
-        return so_far if part is None else replace(whole, corners=part)
+    def _foothold(
+        self, so_far: Foothold, observation: Observation, foot: int
+    ) -> Foothold:
+        ground, model = so_far.ground, self.gains.contact
+        if ground is None:
+            return so_far
+        sole, corners = observation.terms.feet[foot], self._patches.whole.corners
+        x, y, _ = (sole.p_WF - ground.p_WF).tolist()
+        if math.hypot(x, y) > model.moved:
+            return WHOLE
+        if self._felt(observation, foot) < model.least_felt:
+            return so_far
+        down = corners_down(ground, sole, corners, model.level)
+        if down.all():
+            return so_far if so_far.part is None else replace(so_far, part=None)
+        cop = observation.foot_cop(foot)
+        return observed(so_far, down, sole.R_WF[:, 2], cop, corners, model)
 
-    def support_on(self, carrying: ContactPatch, pose: FootPose) -> SupportPolygon:
-        """Computes the region of the CoP on the part of a sole that carries."""
-        return SupportPolygon(pose.p_WF[:2] + carrying.corners @ pose.R_WF[:2, :2].T)
+    def carrying_share(self, pose: FootPose) -> float:
+        """Computes the share of a sole's area that carries [-]."""
+        whole = self._patches.whole.corners
+        return 1.0 if pose.part is None else area(pose.part) / area(whole)
 
     def _felt(self, observation: Observation, foot: int) -> float:
         """Returns the load on a foot, in weights of the robot."""
@@ -387,18 +405,15 @@ class Balance:
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
         """Computes the region of the CoP with one foot flat, the other on its toes."""
         toes = self.toes(toeing).vertices
-        return SupportPolygon(np.concatenate([self._corners(flat)[:, :2], toes]))
+        points = convex_hull(np.concatenate([self._corners(flat), toes]))
+        return SupportPolygon(thinned(points, MAX_CORNERS))
 
     def support(self, *feet: FootPose) -> SupportPolygon:
         """Computes the region of the CoP with these feet on the ground."""
-        return SupportPolygon(np.concatenate([self._corners(foot) for foot in feet]))
+        points = convex_hull(np.concatenate([self._corners(foot) for foot in feet]))
+        return SupportPolygon(thinned(points, MAX_CORNERS))
 
     def _corners(self, foot: FootPose) -> np.ndarray:
-        """Computes the corners of a sole less its margins, in W [m], shape (4, 3)."""
-        contact, sole = self.gains.contact, self.robot.file.sole
-        return sole_corners(
-            foot.p_WF,
-            foot.R_WF,
-            sole.length / 2 - contact.length_margin,
-            sole.width / 2 - contact.width_margin,
-        )
+        """Computes the corners of what carries of a sole, in W [m], shape (k, 2)."""
+        corners = self._patches.whole.corners if foot.part is None else foot.part
+        return foot.p_WF[:2] + corners @ foot.R_WF[:2, :2].T

@@ -6,6 +6,7 @@ so that the Context of a diagram can own it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -19,6 +20,7 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.control.balance.feedback import pendulum_frequency
+from atlas_drake.control.balance.foothold import WHOLE, Foothold
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import read_only
@@ -26,6 +28,10 @@ from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import FootPose
+
+
+def _no_wrenches() -> np.ndarray:
+    return np.zeros(12)
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,10 @@ class Observation:
         foot_force: Normal force on the left and right sole [N], shape (2,); NaN at the
             first tick, before any was measured.
         user_share: The user's share of each joint's effort, 0 to 1, shape (n,).
+        foot_wrenches: Measures the contact wrenches on left and right foot, in W at
+            the sole's center [N·m; N], shape (12,). A call costs a tenth of a
+            millisecond.
+        footholds: What of each sole is known to carry; the supervisor fills it in.
     """
 
     time: float
@@ -48,6 +58,8 @@ class Observation:
     terms: WholeBodyTerms
     foot_force: np.ndarray
     user_share: np.ndarray
+    foot_wrenches: Callable[[], np.ndarray] = _no_wrenches
+    footholds: tuple[Foothold, Foothold] = (WHOLE, WHOLE)
 
     @cached_property
     def user_held(self) -> np.ndarray:
@@ -62,9 +74,16 @@ class Observation:
         return advance_body(body, target, rates, self.dt, measured, self.user_held)
 
     def foot_pose(self, foot: int) -> FootPose:
-        """Present pose of a sole in W."""
-        terms = self.terms.feet[foot]
-        return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
+        """Present pose of a sole in W, with the part of it that carries."""
+        terms, part = self.terms.feet[foot], self.footholds[foot].part
+        return FootPose(terms.p_WF.copy(), terms.R_WF.copy(), part)
+
+    def foot_cop(self, foot: int) -> np.ndarray:
+        """Measured center of pressure of a loaded foot, in F [m], shape (2,)."""
+        R_WF = self.terms.feet[foot].R_WF
+        wrench = self.foot_wrenches()[6 * foot : 6 * foot + 6]
+        (mx, my, _), (_, _, fz) = R_WF.T @ wrench[:3], R_WF.T @ wrench[3:]
+        return np.array([-my / fz, mx / fz])
 
     @property
     def foot_poses(self) -> tuple[FootPose, FootPose]:
@@ -76,8 +95,14 @@ class Observation:
         return pendulum_frequency(float(self.terms.com[2]) - ground)
 
     def has_slipped(self, feet: tuple[FootPose, FootPose], limit: float) -> bool:
-        """Returns True if a sole is farther than ``limit`` [m] from its pose."""
+        """Returns True if a sole is farther than ``limit`` [m] from its pose.
+
+        It returns True, too, if another part of a sole carries now.
+        """
         return any(
+            pose.part is not foothold.part
+            for pose, foothold in zip(feet, self.footholds, strict=True)
+        ) or any(
             abs(x - latched) > limit
             for pose, now in zip(feet, self.terms.feet, strict=True)
             for x, latched in zip(now.p_WF.tolist(), pose.p_WF.tolist(), strict=True)
@@ -95,6 +120,8 @@ class Outcome:
         finished: True when the behavior is over and STAND shall follow.
         status_flags: The behavior's own feedback flags, which the supervisor latches.
         events: New events for the log.
+        landing: Index of a foot that has landed, and the pose of the ground there as
+            far as it was planned; None if no foot has.
     """
 
     state: Any
@@ -103,6 +130,7 @@ class Outcome:
     finished: bool = False
     status_flags: int = 0
     events: tuple[Event, ...] = ()
+    landing: tuple[int, FootPose] | None = None
 
 
 class BehaviorProtocol(Protocol):

@@ -18,7 +18,7 @@ from pydrake.math import RotationMatrix
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import heading_error, landing_error
 from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vector3
-from atlas_drake.messages.event import FOOTSTEP, Event
+from atlas_drake.messages.event import CONTACT, FOOTSTEP, Event
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import yaw_of
 
@@ -124,10 +124,17 @@ def footstep_event(
 ) -> Event:
     """Makes the event of a touchdown, with the step as commanded and as executed."""
     error = landing_error(sent, landed)
+    height = float((landed.p_WF - taken.p_WF) @ taken.normal)
+    tilt = math.acos(min(float(landed.R_WF[:, 2] @ taken.normal), 1.0))
+    text = f"{_FEET[taken.foot]}, {1e3 * error:.0f} mm off"
+    if abs(height) >= NOTABLE_HEIGHT:
+        text += f", {1e3 * abs(height):.0f} mm too {'high' if height > 0.0 else 'low'}"
+    if tilt >= NOTABLE_TILT:
+        text += f", tilted by {tilt:.2f} rad"
     return Event(
         time,
         FOOTSTEP,
-        f"step {taken.index} landed ({_FEET[taken.foot]}, {1e3 * error:.0f} mm off)",
+        f"step {taken.index} landed ({text})",
         {
             "index": taken.index,
             "foot": taken.foot,
@@ -137,8 +144,31 @@ def footstep_event(
             "landed_height": float(landed.p_WF[2]),
             "error_m": error,
             "error_rad": heading_error(sent, landed),
+            "height_error_m": height,
+            "tilt_rad": tilt,
         },
     )
+
+
+def contact_event(time: float, step: Footstep, early: float) -> tuple[Event, ...]:
+    """Makes an event if a foot touches the ground early by [s], or late."""
+    if abs(early) < NOTABLE_TIME:
+        return ()
+    when = "early" if early > 0.0 else "late"
+    text = f"step {step.index} touched the ground {abs(early):.2f} s {when}"
+    data = {"index": step.index, "foot": step.foot, "early_s": early}
+    return (Event(time, CONTACT, text, data),)
+
+
+def partial_event(
+    time: float, index: int, foot: int, share: float
+) -> tuple[Event, ...]:
+    """Makes an event if only a ``share`` of a sole carries as the other foot leaves."""
+    if share >= 1.0:
+        return ()
+    text = f"step {index} stands on a part of the {_FEET[foot]} sole, {share:.0%} of it"
+    data = {"index": index, "foot": foot, "share": share}
+    return (Event(time, CONTACT, text, data),)
 
 
 def recovery_event(time: float, step: Footstep) -> Event:
@@ -147,6 +177,12 @@ def recovery_event(time: float, step: Footstep) -> Event:
     return Event(time, "recovery", text, {"index": step.index, "foot": step.foot})
 
 
+NOTABLE_HEIGHT = 0.005
+"""Say how far above or below its place a sole landed from this on [m]."""
+NOTABLE_TILT = 0.03
+"""Say how much a landed sole is tilted from this on [rad]."""
+NOTABLE_TIME = 0.07
+"""Say of a touchdown that is early or late by at least this [s]."""
 NOTABLE = 0.001
 """Warn at lift-off of a step that is saturated by at least this distance [m]."""
 NOTABLE_ANGLE = 0.01

@@ -68,6 +68,22 @@ class PhaseControl(ABC, Generic[P]):
         """Commands both feet, and advances their references by one tick."""
 
 
+def on_present_parts(
+    feet: tuple[FootPose, FootPose], observation: Observation
+) -> tuple[FootPose, FootPose]:
+    """Returns the feet with the parts that carry now: the same feet if none changed.
+
+    A foot of which another part carries has its present pose: it may have turned.
+    """
+    left, right = (
+        pose
+        if pose.part is observation.footholds[foot].part
+        else observation.foot_pose(foot)
+        for foot, pose in enumerate(feet)
+    )
+    return feet if left is feet[0] and right is feet[1] else (left, right)
+
+
 def with_foot(
     feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
 ) -> tuple[FootPose, FootPose]:

@@ -33,6 +33,7 @@ from atlas_drake.behaviors.supervisor_state import (
     SupervisorState,
     Waiting,
 )
+from atlas_drake.control.balance.foothold import Foothold
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, shown
@@ -42,6 +43,7 @@ from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, Event
+from atlas_drake.messages.footstep import LEFT
 
 _Planned = TypeVar("_Planned", Plan, PlannedPaths)
 
@@ -112,6 +114,10 @@ class Supervisor:
             body = read_only(capture_body(observation.terms))
             active = Waiting(active.behavior, requests[0], body)
             state = replace(state, request=requests[0])
+        footholds = self._tools.balance.footholds(state.footholds, observation)
+        read_only(footholds, state.footholds)
+        observation = replace(observation, footholds=footholds)
+        state = replace(state, footholds=footholds)
         state = self._watch_for_fall(state, observation)
         for new in requests:
             if new.is_newer(state.request):
@@ -148,6 +154,12 @@ class Supervisor:
             flags=(active.flags & ~_SUBSTATES) | outcome.status_flags,
         )
         state = replace(state, active=active)
+        if outcome.landing is not None:
+            foot, ground = outcome.landing
+            landed = Foothold(ground)
+            left, right = footholds
+            footholds = (landed, right) if foot == LEFT else (left, landed)
+            state = replace(state, footholds=read_only(footholds))
         for event in outcome.events:
             state = state.with_event(event)
         if outcome.finished:

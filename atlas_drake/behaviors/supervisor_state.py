@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.control.balance.foothold import WHOLE, Foothold
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior, BehaviorStatus
@@ -60,6 +61,7 @@ class SupervisorState:
     last: LastTransition = LastTransition()  # The last transition
     request: BehaviorRequest | None = None  # Last one handled; None at first
     error_code: ErrorCode = ErrorCode.NO_ERRORS  # Error code of the last request
+    footholds: tuple[Foothold, Foothold] = (WHOLE, WHOLE)  # What of each sole carries
     falling: bool = False  # Until a behavior begins in a posture that is no fall
     events: tuple[Event, ...] = ()  # The latest events
     event_count: int = 0  # Number of events so far

@@ -99,6 +99,19 @@ class ContactModel(Configuration):
     load_growth: Positive = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one
     [-]: a sole is trusted with the full weight after four ticks."""
+    level: NotNegative = 0.004
+    """A corner of a sole that is farther than this from the planned ground is not down
+    [m]."""
+    explored: Positive = 0.015
+    """Distance from where the center of pressure has been up to which a sole that is
+    not down as a whole is counted on [m]."""
+    least_felt: NotNegative = 0.05
+    """Load of a sole from which its center of pressure counts, in weights of the robot
+    [-]."""
+    turned: NotNegative = 0.03
+    """Turn of a sole from which other places of it carry than before [rad]."""
+    moved: NotNegative = 0.05
+    """Distance of a sole from where it landed from which it stands elsewhere [m]."""
     full_load: Positive = 3.0
     """Upper bound of the normal force on one sole, in weights of the robot [-]."""
 

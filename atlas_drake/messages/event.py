@@ -28,6 +28,10 @@ PUSH = "push"
 duration of a scenario's push."""
 FOOTSTEP = "footstep"
 """Kind of the event for a foot that landed."""
+CONTACT = "contact"
+"""Kind of the event for a foot that touches the ground early or late, or stands on a
+part of its sole; its data has the step's index and foot, and the time by which it is
+early [s], or the share of the sole's area that carries."""
 FOOTSTEP_DATA = (
     "foot",
     "commanded",

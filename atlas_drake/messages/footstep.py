@@ -28,6 +28,7 @@ class FootPose:
 
     p_WF: np.ndarray  # Center of the sole in W [m], shape (3,).
     R_WF: np.ndarray  # Orientation of the sole, shape (3, 3).
+    part: np.ndarray | None = None  # Corners of the part that carries, in F [m], (k, 2)
 
     @property
     def yaw(self) -> float:

@@ -28,7 +28,7 @@ from atlas_drake.robot import fit
 from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import find_urdf
-from atlas_drake.robot.robot import Robot, Size, add_urdf, leave_out_collisions
+from atlas_drake.robot.robot import Robot, Size, add_urdf, shape_contacts
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
@@ -140,7 +140,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
     except RuntimeError as error:
         raise RobotDescriptionError("urdf", str(urdf), str(error)) from None
     fit.check_names(plant, instance, file)
-    leave_out_collisions(plant, instance, file.no_collisions)
+    shape_contacts(plant, instance, file)
     plant.Finalize()
     root = builder.Build().CreateDefaultContext()
     pelvis = fit.check_base(plant, file)

@@ -6,7 +6,7 @@ the robot; control laws and state are elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ from atlas_drake.frozen import read_only
 from atlas_drake.robot.file import ContactEntry, JointEntry, RobotFile
 from atlas_drake.robot.leg import Leg
 from atlas_drake.robot.parsing import find_urdf, parse
+from atlas_drake.robot.soles import add_soles
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,7 @@ class Robot:
     def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """Parses the robot into ``plant`` (before Finalize)."""
         instance = add_urdf(plant, self.urdf, self.name)
-        leave_out_collisions(plant, instance, self.file.no_collisions)
+        shape_contacts(plant, instance, self.file)
         return instance
 
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
@@ -322,16 +323,19 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     return instance
 
 
-def leave_out_collisions(
-    plant: MultibodyPlant,
-    instance: ModelInstanceIndex,
-    pairs: Iterable[Sequence[str]],
+def shape_contacts(
+    plant: MultibodyPlant, instance: ModelInstanceIndex, file: RobotFile
 ) -> None:
-    """Lets the shapes of pairs of bodies pass through each other (before Finalize)."""
+    """Gives the feet their soles, and lets the pairs of bodies that do not touch pass.
+
+    Does nothing to a plant without geometry (before Finalize).
+    """
     if not plant.geometry_source_is_registered():
         return
-    filters = Parser(plant).scene_graph().collision_filter_manager()
-    for pair in pairs:
-        bodies = (plant.GetBodyByName(name, instance) for name in pair)
-        one, other = map(GeometrySet, map(plant.GetCollisionGeometriesForBody, bodies))
+    scene_graph = Parser(plant).scene_graph()
+    add_soles(plant, scene_graph, instance, file)
+    filters = scene_graph.collision_filter_manager()
+    for pair in file.no_collisions:
+        bodies = (plant.GetBodyByName(name, instance).index() for name in pair)
+        one, other = map(GeometrySet, map(plant.GetBodyFrameIdOrThrow, bodies))
         filters.Apply(CollisionFilterDeclaration().ExcludeBetween(one, other))

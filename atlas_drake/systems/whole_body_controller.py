@@ -60,6 +60,8 @@ class WholeBodyController(CollectableSystem):
     Input ports:
         state: Measured positions and velocities, in plant order.
         foot_loads: Vertical forces of the ground on left and right foot [N], (2,).
+        foot_wrenches: Contact wrenches on left and right foot, in W at the sole's
+            center [N·m; N], (12,): read while a sole is not down as a whole.
         user_forecast: ``UserForecast``, the forecast of the user's law for the tick.
         commands: ``ActiveCommand``
 
@@ -103,6 +105,7 @@ class WholeBodyController(CollectableSystem):
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
+        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         self._user_input = self.declare_value_input("user_forecast")
         self._command_input = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(self._model.create_context)
@@ -156,6 +159,7 @@ class WholeBodyController(CollectableSystem):
             terms=terms,
             foot_force=_UNKNOWN if first else read_only(self._load_input.Eval(context)),
             user_share=share,
+            foot_wrenches=lambda: self._wrench_input.Eval(context),
         )
         supervisor, command = self._supervisor.update(
             before.supervisor, observation, commands.requests

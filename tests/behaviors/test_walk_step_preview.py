@@ -203,7 +203,8 @@ def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
     event = footstep_event(
         1.0, step(1, 1.0, yaw=3.1), step(1, 0.4), foot_at(LEFT, 0.41, yaw=-3.1, z=0.5)
     )
-    assert event.text == "step 1 landed (left, 590 mm off)"
+    assert event.text == "step 1 landed (left, 590 mm off, 200 mm too high)"
+    assert event.data["height_error_m"] == pytest.approx(0.2)
     assert event.data["commanded"] == pytest.approx([1.0, HALF_WIDTH, 3.1])
     assert event.data["saturated"] == pytest.approx([0.4, HALF_WIDTH, 0.0])
     assert event.data["landed"] == pytest.approx([0.41, HALF_WIDTH, -3.1])

@@ -107,15 +107,14 @@ def test_frames_are_where_the_original_has_them(robot):
         assert X_LF.rotation().IsExactlyIdentity()
 
 
-def test_feet_are_four_spheres_each_with_their_friction(robot):
+def test_feet_touch_by_soles_with_their_friction(robot):
     for side in "lr":
         foot = robot.plant.GetBodyByName(f"{side}_foot")
-        geometries = robot.plant.GetCollisionGeometriesForBody(foot)
-        assert len(geometries) == 4
+        frame = robot.plant.GetBodyFrameIdOrThrow(foot.index())
+        geometries = robot.inspector.GetGeometries(frame, Role.kProximity)
+        assert len(geometries) > 20
         for geometry in geometries:
-            shape = robot.inspector.GetShape(geometry)
-            assert isinstance(shape, Sphere)
-            assert shape.radius() == 0.01
+            assert isinstance(robot.inspector.GetShape(geometry), Sphere)
             properties = robot.inspector.GetProximityProperties(geometry)
             friction = properties.GetProperty("material", "coulomb_friction")
             assert friction.static_friction() == friction.dynamic_friction() == 0.9

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pydrake.common.schema import Transform
-from pydrake.geometry import Box, SceneGraphConfig, Sphere
+from pydrake.geometry import Box, Role, SceneGraphConfig, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import CoulombFriction
@@ -192,7 +192,8 @@ def test_the_soles_meet_the_ground_with_drakes_own_dissipation():
     foot = sim.plant.GetBodyByName(sim.robot.file.feet[0].body)
 
     def dissipation(body):
-        shape = sim.plant.GetCollisionGeometriesForBody(body)[0]
+        frame = sim.plant.GetBodyFrameIdOrThrow(body.index())
+        shape = inspector.GetGeometries(frame, Role.kProximity)[0]
         properties = inspector.GetProximityProperties(shape)
         return properties.GetProperty("material", "hunt_crossley_dissipation")
 

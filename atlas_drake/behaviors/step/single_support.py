@@ -11,6 +11,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.footsteps import contact_event
 from atlas_drake.behaviors.phases import with_foot
 from atlas_drake.behaviors.step.phases import (
     InAir,
@@ -101,7 +102,9 @@ class LowerControl(InAirControl[Lower]):
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the phase at touchdown; a foot that finds no ground returns."""
         if observation.foot_force[phase.step.foot] > self._touchdown_force:
-            return self._touch_down(phase, observation), ()
+            early = phase.swing.duration - phase.elapsed
+            touched = contact_event(observation.time, phase.step, early)
+            return self._touch_down(phase, observation), touched
         if phase.swing.has_missed(phase.elapsed):
             return self._step_back(phase, observation)
         return phase, ()

@@ -33,11 +33,13 @@ from atlas_drake.behaviors.step.phases import (
 )
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
+from atlas_drake.control.balance.foothold import ground_below
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasBehaviorStepFeedback, StepStatus
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import FootPose
 
 
 class Step(BehaviorProtocol):
@@ -78,7 +80,7 @@ class Step(BehaviorProtocol):
 
         With ``leaving`` a foot in the air lands, and no further step begins.
         """
-        progress = phase.progress
+        before, progress = phase, phase.progress
         cut_short = progress.leaving or not self.control(phase).are_both_flat(phase)
         phase = replace(
             phase,
@@ -108,6 +110,7 @@ class Step(BehaviorProtocol):
             if phase.in_air is None
             else StepStatus.SUBSTATE_STEPPING,
             events=(*news, *left),
+            landing=self._landing(before, phase),
         )
 
     def plan(self, phase: StepState, com: np.ndarray, omega: float) -> Plan:
@@ -139,6 +142,15 @@ class Step(BehaviorProtocol):
     def control(self, phase: StepState) -> StepPhaseControl[Any]:
         """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
+
+    def _landing(
+        self, before: StepState, phase: StepState
+    ) -> tuple[int, FootPose] | None:
+        """Returns foot and planned ground in the tick of a touchdown."""
+        if not isinstance(before, Lower) or not isinstance(phase, StepSettle):
+            return None
+        foot = phase.step.foot
+        return foot, ground_below(phase.feet[foot], phase.step.pose)
 
     # ---- requests ------------------------------------------------------------
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.phases import PhaseControl, with_foot
+from atlas_drake.behaviors.footsteps import partial_event
+from atlas_drake.behaviors.phases import PhaseControl, on_present_parts, with_foot
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import (
     FinalTransfer,
@@ -49,6 +50,12 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
+        feet = on_present_parts(phase.progress.feet, observation)
+        if feet is not phase.progress.feet:
+            progress = replace(phase.progress, feet=feet)
+            toes = isinstance(phase, Transfer) and phase.toe_off
+            support = planner.support(progress, phase.unloading if toes else None)
+            phase = replace(phase, progress=progress, support=support)
         lost = is_dcm_lost(phase, observation, self._rules.dcm_lost)
         if lost and not planner.coming(phase.progress):
             return planner.recover(phase.progress, observation)
@@ -87,7 +94,11 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
             # The step cannot be taken from the present poses of the feet.
             return planner.final_transfer(phase.progress, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
-        return planner.swing(phase.progress, min(late, observation.dt), pitch), news
+        swing = planner.swing(phase.progress, min(late, observation.dt), pitch)
+        stance = 1 - swing.step.foot
+        share = self._balance.carrying_share(phase.progress.feet[stance])
+        index = phase.progress.last_index
+        return swing, (*news, *partial_event(observation.time, index, stance, share))
 
     def command_feet(
         self, phase: InitialTransfer | Transfer, observation: Observation
@@ -155,7 +166,13 @@ class Settling(PhaseControl[FinalTransfer]):
         self, phase: FinalTransfer, observation: Observation, leaving: bool
     ) -> tuple[FinalTransfer | InitialTransfer | WalkSwing, tuple[Event, ...]]:
         """Begins a new weight shift if steps arrived, or the feet stand apart."""
-        planner, progress, now = self._planner, phase.progress, phase.planned
+        planner, now = self._planner, phase.planned
+        feet = on_present_parts(phase.progress.feet, observation)
+        if feet is not phase.progress.feet:
+            progress = replace(phase.progress, feet=feet)
+            support = planner.support(progress)
+            phase = replace(phase, progress=progress, support=support)
+        progress = phase.progress
         if is_dcm_lost(phase, observation, self._config.rules.dcm_lost):
             return planner.recover(progress, observation)
         if self.is_over(phase, observation):

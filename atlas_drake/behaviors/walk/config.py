@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.foot_roll import FootRoll
-from atlas_drake.control.feet.partial_foothold import TippingRules
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import ScenarioError
@@ -117,8 +116,6 @@ class WalkConfig(Configuration):
     com_rise: NotNegative = 0.05
     """Rise of the center of mass above its height in STAND, in a walk with full pitch
     of the soles: toe-off lengthens the trailing leg, and the knees bend less [m]."""
-    tipping: TippingRules = field(default_factory=TippingRules)
-    """When a stance sole tips, and the CoP stays on the part of it that carries."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
     """The step adjustment, which moves and hastens a step for balance."""
     slack: StepSlack = field(default_factory=StepSlack)

@@ -27,7 +27,7 @@ def stance_cop(
     """Computes the CoP reference for single support during ``step`` [m], shape (2,).
 
     It lies near the middle of the stance sole, toward the other foot, and in a step up
-    or down toward the toes.
+    or down toward the toes; on a sole that carries in part only, as near as that part.
     """
     start, stance = feet[step.foot], feet[1 - step.foot]
     ground = float(stance.p_WF[2])
@@ -37,7 +37,11 @@ def stance_cop(
     R_WS = rotation_z(stance.yaw)[:2]
     # The step's side is that of the other foot.
     inward = outward(step.foot) * config.cop_inward
-    return stance.p_WF[:2] + ahead * R_WS[:, 0] + inward * R_WS[:, 1]
+    cop = stance.p_WF[:2] + ahead * R_WS[:, 0] + inward * R_WS[:, 1]
+    if stance.part is None:
+        return cop
+    part = stance.p_WF[:2] + stance.part @ stance.R_WF[:2, :2].T
+    return SupportPolygon(part).clamp(cop)
 
 
 def plan_walk(

@@ -19,7 +19,6 @@ from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.control.feet.foot_roll import rising
 from atlas_drake.control.feet.sole_motion import Pitch
-from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
@@ -171,7 +170,6 @@ class WalkSwing(WalkPhase):
     motion: swing_foot.FootSwing  # Reference of the swing foot
     sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
     stops: bool  # Whether its plan comes to rest, as no step was known after it
-    carrying: ContactPatch | None = None  # Part of the stance sole, if it tipped
 
     @property
     def in_air(self) -> Footstep:

@@ -39,6 +39,7 @@ from atlas_drake.behaviors.walk.steps import (
 )
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
+from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import landing_error, outward
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import begin_swing
@@ -100,7 +101,7 @@ class WalkPlanner:
         self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray
     ) -> InitialTransfer:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
-        support = self._balance.support(*progress.feet)
+        support = self.support(progress)
         duration = self._config.timing.first_shift
         coming = self.coming(progress)
         plan = self._plan(progress, coming, cop, duration)
@@ -279,20 +280,28 @@ class WalkPlanner:
         duration += min(max(early, -change), change)
         leaving = coming[0].foot
         rear, front = progress.feet[leaving], progress.feet[1 - leaving]
-        balance = self._balance
-        toe_off = self._config.roll.leaving(rear, front)
+        # Below the toes of a sole that carries in part only there may be no ground.
+        whole = rear.part is None
+        toe_off = self._config.roll.leaving(rear, front) if whole else 0.0
         return Transfer(
             progress=progress,
             plan=self._plan(progress, coming, cop, duration),
-            support=balance.support_on_toes(front, rear)
-            if toe_off
-            else balance.support(rear, front),
+            support=self.support(progress, leaving if toe_off else None),
             duration=duration,
             unloading=leaving,
             toe_off=toe_off,
             toe_off_time=duration,
             landed=landed,
         )
+
+    def support(
+        self, progress: WalkProgress, on_toes: int | None = None
+    ) -> SupportPolygon:
+        """Computes the region of the CoP under both feet, one of them on its toes."""
+        if on_toes is None:
+            return self._balance.support(*progress.feet)
+        flat, toeing = progress.feet[1 - on_toes], progress.feet[on_toes]
+        return self._balance.support_on_toes(flat, toeing)
 
     def final_transfer(self, progress: WalkProgress, cop: np.ndarray) -> FinalTransfer:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
@@ -301,7 +310,7 @@ class WalkPlanner:
         return FinalTransfer(
             progress=progress,
             plan=self._plan(progress, step_preview.steps, cop, duration),
-            support=self._balance.support(*progress.feet),
+            support=self.support(progress),
             duration=duration,
             obstacle=step_preview.obstacle,
         )

@@ -11,8 +11,8 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.footsteps import footstep_event
-from atlas_drake.behaviors.phases import PhaseControl, with_foot
+from atlas_drake.behaviors.footsteps import contact_event, footstep_event
+from atlas_drake.behaviors.phases import PhaseControl, on_present_parts, with_foot
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.behaviors.walk.planner import WalkPlanner
@@ -36,7 +36,6 @@ class SingleSupport(PhaseControl[WalkSwing]):
         self._planner = planner
         self._rules = config.rules
         self._profile = config.swing
-        self._tipping = config.tipping
         self._adjustment = config.adjustment
         loose = config.slack.loosen(config.limits)
         self._limits = loose.extended(config.adjustment.stretch)
@@ -46,7 +45,14 @@ class SingleSupport(PhaseControl[WalkSwing]):
     def advance(
         self, phase: WalkSwing, observation: Observation, leaving: bool
     ) -> tuple[WalkState, tuple[Event, ...]]:
-        """Ends the swing with touchdown."""
+        """Ends the swing with touchdown; keeps the CoP on what of the sole carries."""
+        stance = 1 - phase.step.foot
+        feet = on_present_parts(phase.progress.feet, observation)
+        if feet[stance] is not phase.progress.feet[stance]:
+            feet = with_foot(phase.progress.feet, stance, feet[stance])
+            progress = replace(phase.progress, feet=feet)
+            support = self._balance.support(feet[stance])
+            phase = replace(phase, progress=progress, support=support)
         least = self._touchdown_force
         if phase.duration - phase.elapsed < self._rules.frozen_end:
             least = min(least, self._landing_force)
@@ -65,10 +71,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
             phase.motion, phase.step, self._profile, observation.dt
         )
         foot = phase.step.foot
-        phase = self._notice_edge(phase, observation)
-        stance = self._balance.in_contact(
-            observation, 1 - foot, carrying=phase.carrying
-        )
+        stance = self._balance.in_contact(observation, 1 - foot)
         swing = self._balance.swinging(observation, foot, reference)
         feet = (swing, stance) if foot == LEFT else (stance, swing)
         return replace(phase, motion=motion), feet
@@ -84,18 +87,6 @@ class SingleSupport(PhaseControl[WalkSwing]):
         pose = observation.foot_pose(phase.step.foot)
         turned = motion.pitch.angle - pitch_from(pose, phase.step.normal)
         return turned > self._rules.landing_turn
-
-    def _notice_edge(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
-        """Confines the CoP to the part of the stance sole that carries, if it tips."""
-        foot = 1 - phase.step.foot
-        rest = phase.progress.feet[foot].R_WF[:, 2]
-        carrying = self._balance.carrying_part(
-            observation, foot, rest, phase.carrying, self._tipping
-        )
-        if carrying is None or carrying is phase.carrying:
-            return phase
-        support = self._balance.support_on(carrying, observation.foot_pose(foot))
-        return replace(phase, carrying=carrying, support=support)
 
     def _touch_down(
         self, phase: WalkSwing, observation: Observation
@@ -115,10 +106,14 @@ class SingleSupport(PhaseControl[WalkSwing]):
         early = phase.duration - phase.elapsed
         # A step of the walk's own was not commanded to any other place.
         sent = step if phase.progress.last_was_recovery else phase.sent
-        event = footstep_event(observation.time, sent, step, landed)
+        time = observation.time
+        events = (
+            footstep_event(time, sent, step, landed),
+            *contact_event(time, step, early),
+        )
         cop = phase.planned.cop
         landing = self._planner.land(progress, cop, early, pitch, phase.stops)
-        return landing, (event,)
+        return landing, events
 
     def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
         """Moves the landing, in place and time, when the ankles cannot hold the DCM."""

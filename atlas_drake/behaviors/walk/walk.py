@@ -31,12 +31,13 @@ from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.foothold import ground_below
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.footstep import LEFT, Footstep
+from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.rotations import mean_yaw
 
 _UPRIGHT = read_only(np.zeros(2))
@@ -126,6 +127,7 @@ class Walk(BehaviorProtocol):
             finished=finished,
             status_flags=phase.status_flags(leaving),
             events=(*events, *left),
+            landing=self._landing(before, phase),
         )
 
     def plan(self, phase: WalkState, com: np.ndarray, omega: float) -> Plan:
@@ -158,6 +160,23 @@ class Walk(BehaviorProtocol):
     def control(self, phase: WalkState) -> PhaseControl[Any]:
         """Returns what computes the ticks of this phase."""
         return self._controls[type(phase)]
+
+    def _landing(
+        self, before: WalkState, phase: WalkState
+    ) -> tuple[int, FootPose] | None:
+        """Returns foot and planned ground once a landed sole is, or should be, flat."""
+        foot = phase.progress.last_foot
+        if foot is None or isinstance(phase, WalkSwing):
+            return None
+        rolls = isinstance(phase, Transfer) and phase.landed != 0.0
+        if rolls:
+            flat_after = self._config.roll.flat_after
+            is_flat = before.elapsed < flat_after <= phase.elapsed
+        else:
+            is_flat = isinstance(before, WalkSwing)
+        if not is_flat:
+            return None
+        return foot, ground_below(phase.progress.feet[foot], phase.progress.aimed[foot])
 
     def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""

@@ -23,7 +23,7 @@ class SupportPolygon(Frozen):
 
     def __init__(self, points: Iterable[np.ndarray]):
         """Takes the convex hull of at least three points not on one line."""
-        self.vertices = _convex_hull(np.array([p[:2] for p in points]))
+        self.vertices = convex_hull(np.array([p[:2] for p in points]))
         ahead = np.roll(self.vertices, -1, axis=0)
         edges = ahead - self.vertices
         lengths = np.sqrt((edges**2).sum(axis=1))
@@ -50,8 +50,32 @@ class SupportPolygon(Frozen):
         return nearest[int(gaps.argmin())]
 
 
-def _convex_hull(points: np.ndarray) -> np.ndarray:
-    """Computes the corners of the hull, counter-clockwise, shape (k, 2)."""
+def area(corners: np.ndarray) -> float:
+    """Computes the area of a polygon [m²]; its corners counterclockwise, (k, 2)."""
+    x, y = corners.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def thinned(corners: np.ndarray, most: int) -> np.ndarray:
+    """Leaves out the corners of a convex polygon that cut off least, down to ``most``.
+
+    What is left is inside the polygon; shapes (k, 2).
+    """
+    while len(corners) > most:
+        to_last = corners - np.roll(corners, 1, axis=0)
+        to_next = np.roll(corners, -1, axis=0) - corners
+        cut_off = to_last[:, 0] * to_next[:, 1] - to_last[:, 1] * to_next[:, 0]
+        corners = np.delete(corners, int(cut_off.argmin()), axis=0)
+    return corners
+
+
+def convex_hull(points: np.ndarray) -> np.ndarray:
+    """Computes the corners of the hull, counter-clockwise, shape (k, 2).
+
+    One point, and points on one line, have a hull without area.
+    """
+    if len(points) == 1:
+        return points
     ordered = sorted(map(tuple, points))
     halves = []
     for sequence in (ordered, ordered[::-1]):
