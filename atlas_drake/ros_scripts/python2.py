@@ -3,7 +3,7 @@
 A program whose first line names python3 is Python 3; any other program is Python 2,
 which was current at the time of DRCSim. fissix, the maintained copy of lib2to3,
 translates it; only what depends on the types of values is done here: ``/`` of whole
-numbers, and functions that returned floats.
+numbers, functions that returned floats, and functions that took them for whole numbers.
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ import functools
 import math
 import re
 import tokenize
+from collections.abc import Callable
 from numbers import Integral
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
+
+import numpy
 
 from atlas_drake.ros_scripts.unknown import ScriptError
 
@@ -151,24 +154,65 @@ def _round(number: float, digits: int = 0) -> float:
     return math.copysign(math.floor(abs(number) * scale + 0.5) / scale, number)
 
 
+def _as_whole(value: Any) -> Any:
+    """Return whole floats as integers, also those in a shape of several."""
+    if isinstance(value, tuple | list):
+        return [_as_whole(part) for part in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _counting(function: Callable[..., Any], place: int, name: str) -> Any:
+    """Return a function that takes a whole float as its count or shape.
+
+    The argument has a ``place`` among those by position, and a ``name``.
+    """
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **named: Any) -> Any:
+        given = list(arguments)
+        given[place : place + 1] = map(_as_whole, given[place : place + 1])
+        if name in named:
+            named[name] = _as_whole(named[name])
+        return function(*given, **named)
+
+    return call
+
+
 BUILTINS: dict[str, Any] = {
     DIVIDE: divide,
     DIVIDE_IN_PLACE: _divide_in_place,
     "cmp": lambda one, other: (one > other) - (one < other),
     "file": open,
+    "range": lambda *limits: range(*map(_as_whole, limits)),
     "reduce": functools.reduce,
     "round": _round,
 }
 """Builtins of Python 2 that fissix does not translate."""
 
+NUMPY_COUNTS = {
+    **dict.fromkeys(("empty", "ones", "zeros"), (0, "shape")),
+    "eye": (0, "N"),
+    "identity": (0, "n"),
+    "linspace": (2, "num"),
+}
+"""Functions of numpy that took whole floats: place and name of that argument."""
+
 
 def old_modules() -> dict[str, ModuleType]:
-    """Return ``math`` and, if installed, ``yaml`` as they were."""
+    """Return ``math``, ``numpy`` and, if installed, ``yaml`` as they were."""
     changed = {
         "ceil": lambda number: float(math.ceil(number)),
         "floor": lambda number: float(math.floor(number)),
     }
-    modules = {"math": with_names(math, changed)}
+    counting = {
+        name: _counting(getattr(numpy, name), place, argument)
+        for name, (place, argument) in NUMPY_COUNTS.items()
+    }
+    types = {kind.__name__: kind for kind in (bool, float, int)}
+    modules = {
+        "math": with_names(math, changed),
+        "numpy": with_names(numpy, counting | types),
+    }
     try:
         import yaml
     except ImportError:
