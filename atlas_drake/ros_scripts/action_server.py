@@ -22,6 +22,7 @@ from atlas_drake.messages import (
     BehaviorStatus,
     StepStatus,
 )
+from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.planning.step_stream import ANSWER, StepStream
 from atlas_drake.ros_scripts.message_types import (
     GOAL_BEHAVIORS,
@@ -125,7 +126,7 @@ def carry_out(sim: AtlasSimulation, goal: Any) -> Work:
         sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND))
         while sim.current_behavior in WALKING:
             yield
-    command.k_effort = list(goal.k_effort)
+    command.k_effort, begun = list(goal.k_effort), sim.time
     if command.behavior == Behavior.WALK:
         return (yield from _walk(sim, goal.steps, command))
     if command.behavior == Behavior.STEP:
@@ -138,9 +139,9 @@ def carry_out(sim: AtlasSimulation, goal: Any) -> Work:
     sim.publish(command)
     yield from _answer(sim)
     if command.behavior == Behavior.STEP:
-        return (yield from _step(sim))
+        return (yield from _step(sim, begun))
     while sim.current_behavior != command.behavior:
-        if failure := _failure(sim):
+        if failure := _failure(sim, begun):
             return failure
         yield
     return ""
@@ -153,7 +154,7 @@ def _walk(sim: AtlasSimulation, goal: Any, command: AtlasSimInterfaceCommand) ->
         return "steps of the goal must have one with a step_index above 0"
     for index, step in enumerate(steps, 1):
         step.step_index = index
-    stream, begun = StepStream(steps), 0
+    stream, taken, begun = StepStream(steps), 0, sim.time
     report = sim.atlas_sim_interface_state
     while not stream.is_over(report):
         following = stream.next_command(report)
@@ -162,21 +163,23 @@ def _walk(sim: AtlasSimulation, goal: Any, command: AtlasSimInterfaceCommand) ->
             sim.publish(following)
         yield
         report = sim.atlas_sim_interface_state
-        begun = max(begun, report.walk_feedback.current_step_index)
-    if begun < len(steps):
-        return _failure(sim) or f"WALK ended after {begun} of {len(steps)} steps"
+        taken = max(taken, report.walk_feedback.current_step_index)
+    if taken < len(steps):
+        text = f"WALK ended after {taken} of {len(steps)} steps"
+        return _failure(sim, begun) or text
     return ""
 
 
-def _step(sim: AtlasSimulation) -> Work:
+def _step(sim: AtlasSimulation, begun: float) -> Work:
     """Waits until the foot of STEP has been in the air and is down again."""
     while not _is_stepping(sim):
-        if sim.current_behavior is not Behavior.STEP:
-            return _failure(sim) or "STEP ended without a step"
+        failure = _failure(sim, begun)
+        if failure or sim.current_behavior is not Behavior.STEP:
+            return failure or "STEP ended without a step"
         yield
     while _is_stepping(sim):
         yield
-    return _failure(sim)
+    return _failure(sim, begun)
 
 
 def _is_stepping(sim: AtlasSimulation) -> bool:
@@ -191,10 +194,12 @@ def _answer(sim: AtlasSimulation) -> Generator[None, None, None]:
         yield
 
 
-def _failure(sim: AtlasSimulation) -> str:
-    """Returns the name of the flag with which the last transition failed, if any."""
+def _failure(sim: AtlasSimulation, since: float) -> str:
+    """Returns which steps were left since a time [s], or why a transition failed."""
     flags = FAILED & sim.atlas_sim_interface_state.behavior_feedback.status_flags
-    return str(BehaviorStatus(flags).name) if flags else ""
+    texts = [str(BehaviorStatus(flags).name)] if flags else []
+    texts += [e.text for e in sim.events if e.kind == STEPS_LEFT and e.time >= since]
+    return "; ".join(texts)
 
 
 def placed(sim: AtlasSimulation, message: Any) -> AtlasBehaviorStepData:
