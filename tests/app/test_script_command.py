@@ -1,16 +1,20 @@
 """``atlas-drake script``: what it prints, writes and returns, and the examples."""
 
 import json
+import math
 import os
 import signal
 import subprocess
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from atlas_drake import read_log
 from atlas_drake.app.main import main
+from atlas_drake.app.run import end_after_fall
+from atlas_drake.messages.event import Event
 
 from .conftest import COMMAND
 
@@ -99,6 +103,13 @@ def test_a_program_that_ends_with_a_command_gets_the_hint_to_give_a_duration(
     out = capsys.readouterr().out
     assert "--duration" not in out
     assert "STAND -> MANIPULATE" in out
+
+
+@pytest.mark.parametrize(("fallen", "end"), [(True, 7.0), (False, math.inf)])
+def test_a_run_ends_after_the_last_fall(fallen, end):
+    falls = [Event(time, "fall", "") for time in (1.0, 5.0)]
+    sim = SimpleNamespace(has_fallen=fallen, events=falls)
+    assert end_after_fall(sim) == end
 
 
 def test_steps_that_were_not_taken_are_told(program, capsys):

@@ -213,6 +213,23 @@ rospy.sleep(0.1)
     assert unfinished(ran.sim) == ["2 steps", "a goal of atlas/bdi_control"]
 
 
+def test_a_goal_and_a_trajectory_continue_when_their_program_has_ended(run):
+    ran = run("""
+client.send_goal(goal(WalkDemoGoal.MANIPULATE))
+path = JointTrajectory(joint_names=["neck_ry"])
+for position in 0.1, 0.2:
+    path.points.append(JointTrajectoryPoint(positions=[position]))
+    path.points[-1].time_from_start = rospy.Duration(0.05)
+rospy.Publisher("/joint_trajectory", JointTrajectory).publish(path)
+""")
+    both = ["a goal of atlas/bdi_control", "a joint trajectory"]
+    assert unfinished(ran.sim) == both
+    ran.sim.advance(0.1)
+    assert unfinished(ran.sim) == []
+    assert ran.sim.current_behavior is Behavior.MANIPULATE
+    assert ran.sim.output("commands").joints.position[3] == 0.2
+
+
 def test_time_passes_while_a_program_waits_for_a_key(run, monkeypatch):
     read, write = os.pipe()
     with os.fdopen(read) as keys, os.fdopen(write, "w") as typist:
