@@ -66,6 +66,11 @@ CONTROL_MODES = {
 """Words of ``atlas/control_mode``, in any case."""
 HARNESSED, NOMINAL = "harnessed", "nominal"
 """Words of ``atlas/mode``."""
+OTHER_MODES = (
+    *("bdi_stand", "feet", "no_gravity", "pid_stand"),
+    *("pinned", "pinned_with_gravity"),
+)
+"""Words of the original that have no meaning here."""
 
 
 def _change_control_mode(sim: AtlasSimulation, message: Any) -> None:
@@ -84,6 +89,8 @@ def _change_control_mode(sim: AtlasSimulation, message: Any) -> None:
 
 def _change_mode(sim: AtlasSimulation, message: Any) -> str | None:
     """Put the robot onto the gantry, or release it."""
+    if message.data in OTHER_MODES:
+        return f"! mode {message.data!r} has no stand-in; Atlas stays as it is"
     word = _word(message, "mode", (HARNESSED, NOMINAL))
     start = sim.scenario.start
     if word == NOMINAL:

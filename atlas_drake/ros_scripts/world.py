@@ -24,11 +24,11 @@ from atlas_drake.ros_scripts import poses
 from atlas_drake.ros_scripts.clock import Clock
 from atlas_drake.ros_scripts.keyboard import Keyboard
 from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
-from atlas_drake.ros_scripts.python2 import (
+from atlas_drake.ros_scripts.python2 import load_program
+from atlas_drake.ros_scripts.python2_values import (
     BUILTINS,
     DIVIDE,
     divide,
-    load_program,
     old_modules,
     with_names,
 )

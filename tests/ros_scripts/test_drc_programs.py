@@ -97,13 +97,19 @@ print(joints()[AtlasState.l_arm_uwy] > 0.1)
 neck = rospy.Publisher("/neck_ry_position_controller/command", Float64)
 rospy.Publisher("/l_f0_j0_position_controller/command", Float64).publish(1.0)
 rospy.Publisher("/multisense_sl/set_spindle_speed", Float64).publish(2.0)
+rospy.Publisher("/atlas/mode", String).publish("pinned_with_gravity")
 rospy.Publisher("atlas/atlas_comand", AtlasCommand).publish(AtlasCommand())
 neck.publish(0.2)
 rospy.sleep(0.3)
 print(joints()[AtlasState.neck_ry] > 0.1)
 """,
             ["True"],
-            ["l_f0_j0", "set_spindle_speed", "Did you mean '/atlas/atlas_command'"],
+            [
+                "l_f0_j0",
+                "set_spindle_speed",
+                "pinned_with_gravity",
+                "Did you mean '/atlas/atlas_command'",
+            ],
             id="a controller for each joint, and topics of other parts",
         ),
         pytest.param(
