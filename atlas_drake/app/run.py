@@ -208,10 +208,13 @@ def _simulate(
 
 
 def end_after_fall(sim: AtlasSimulation) -> float:
-    """Returns the time at which a fall ends the run [s]; infinite without a fall."""
+    """Returns the time at which a fall ends the run [s]; infinite on its feet.
+
+    A program may have put a robot that fell before back on its feet.
+    """
     if not sim.has_fallen:
         return math.inf
-    return min(e.time for e in sim.events if e.kind == "fall") + AFTER_FALL
+    return max(e.time for e in sim.events if e.kind == "fall") + AFTER_FALL
 
 
 def verdict(summary: dict[str, Any]) -> str:

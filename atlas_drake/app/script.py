@@ -20,7 +20,7 @@ from atlas_drake.app.run import (
     run_scenario,
     scenario_of,
 )
-from atlas_drake.ros_scripts.program import Program
+from atlas_drake.ros_scripts.program import Program, unfinished
 from atlas_drake.simulation import AtlasSimulation
 
 
@@ -75,7 +75,13 @@ def _simulate(
             return None
     if asked_to_stop.is_set():
         return None
-    if problem is None and program.last_command >= sim.time:
+    left = unfinished(sim)
+    if problem is None and left and not sim.has_fallen:
+        progress.say(
+            f"! The run ended with {' and '.join(left)} not completed; a longer "
+            "--duration lets Atlas go on."
+        )
+    elif problem is None and program.last_command >= sim.time:
         progress.say(
             f"{program.path.name} ended when it had sent its last command; --duration "
             "lets Atlas go on."

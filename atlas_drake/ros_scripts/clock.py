@@ -58,6 +58,8 @@ class Clock:
     Attributes:
         sim: The simulation.
         simulating: True while an operation runs that Ctrl-C must not interrupt.
+        paused: True while the program pauses the physics; ``time.sleep`` is then of
+            real time, in which the simulation stands still.
         last_command: Time of the last published message [s].
         error: Error of a callback or of the simulation, which ended the run.
     """
@@ -67,7 +69,7 @@ class Clock:
     ) -> None:
         """Starts at the simulation's time; the run lasts to ``end`` [s] at most."""
         self.sim = sim
-        self.simulating = False
+        self.simulating = self.paused = False
         self.last_command = -math.inf
         self.error: BaseException | None = None
         self._main = threading.current_thread()
@@ -211,14 +213,14 @@ class Clock:
     def _run_until(self, time: float) -> None:
         """Simulates until a time or the end; lets threads run whose wait is over.
 
-        Of the waits that end at the same time, that which began first ends first.
+        Of the waits that end at the same time, that which began first ends first, and
+        that of the main thread last: what it waited for has then arrived.
         """
         own = self._queued(time)
         while own in self._waiting:
             over = self.over
             due = [w for w in self._waiting if over or self._reached(w.until)]
-            if over:  # The main thread goes on when the others have ended.
-                due.sort(key=lambda wait: wait is own)
+            due.sort(key=lambda wait: wait is own)
             for wait in due:
                 self._waiting.remove(wait)
                 if wait is own:

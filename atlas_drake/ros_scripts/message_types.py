@@ -1,7 +1,7 @@
-"""The messages that a program can import, and their conversion to ours, by field.
+"""The robot's messages that a program can import, and their conversion, by field.
 
 The fields of ``atlas_msgs`` are derived from the messages of this package, so that each
-field is listed once. Only the general messages of ROS are written out here.
+field is listed once. The general messages of ROS are in ``ros_types``.
 
 Values are checked by ``messages.door``, not here. Three things differ between the
 two: a stamp is seconds in this package, bytes are numbers, and a part that is still all
@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from atlas_drake import messages as ours
-from atlas_drake.messages import Message
+from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts.ros_message import (
     Factory,
@@ -27,61 +27,29 @@ from atlas_drake.ros_scripts.ros_message import (
     array_of,
     message_type,
 )
+from atlas_drake.ros_scripts.ros_types import (
+    GENERAL,
+    Header,
+    Types,
+    action_types,
+    geometry_msgs,
+    package,
+    sensor_msgs,
+)
 
 M = TypeVar("M", bound=Message)
 
 NOT_IN_ROS = {"params", "feedback"}
 """Fields of this package's messages that the original does not have."""
+BY_NAME = {
+    "desired_step_spec",
+    "desired_step_spec_saturated",
+    "use_relative_step_height",
+    "use_spec",
+}
+"""Fields of the robot's interface that the messages of DRCSim did not have."""
 BYTES = {"k_effort"}
 """Fields that are ``uint8[]``, which ROS hands out as bytes."""
-
-_Types = dict[str, type[RosMessage]]
-
-
-def _package(name: str, **types: dict[str, Factory]) -> _Types:
-    """Make the messages of a package, from the makers of their fields."""
-    return {
-        short: message_type(f"{name}/{short}", fields)
-        for short, fields in types.items()
-    }
-
-
-_XYZ: dict[str, Factory] = dict.fromkeys("xyz", float)
-_NINE = array_of(float, 9)
-
-std_msgs = _package(
-    "std_msgs",
-    Header={"seq": int, "stamp": Time, "frame_id": str},
-    String={"data": str},
-)
-Header = std_msgs["Header"]
-geometry_msgs = _package(
-    "geometry_msgs", Point=_XYZ, Vector3=_XYZ, Quaternion=dict.fromkeys("xyzw", float)
-)
-_Point, _Vector3, _Quaternion = geometry_msgs.values()
-geometry_msgs |= _package(
-    "geometry_msgs",
-    Pose={"position": _Point, "orientation": _Quaternion},
-    Twist={"linear": _Vector3, "angular": _Vector3},
-    Wrench={"force": _Vector3, "torque": _Vector3},
-)
-sensor_msgs = _package(
-    "sensor_msgs",
-    Imu={
-        "header": Header,
-        "orientation": _Quaternion,
-        "orientation_covariance": _NINE,
-        "angular_velocity": _Vector3,
-        "angular_velocity_covariance": _NINE,
-        "linear_acceleration": _Vector3,
-        "linear_acceleration_covariance": _NINE,
-    },
-    JointState={
-        "header": Header,
-        **dict.fromkeys(("name", "position", "velocity", "effort"), list),
-    },
-)
-rosgraph_msgs = _package("rosgraph_msgs", Clock={"clock": Time})
 
 ROS_TYPES: dict[type[Message], type[RosMessage]] = {
     ours.Header: Header,
@@ -128,11 +96,11 @@ def _ros_type(kind: type[Message]) -> type[RosMessage]:
             if field.name not in NOT_IN_ROS
         }
         name = f"atlas_msgs/{kind.__name__}"
-        ROS_TYPES[kind] = message_type(name, content, _constants(kind))
+        ROS_TYPES[kind] = message_type(name, content, _constants(kind), BY_NAME)
     return ROS_TYPES[kind]
 
 
-atlas_msgs: _Types = {
+atlas_msgs: Types = {
     name: _ros_type(getattr(ours, name))
     for name in ours.__all__
     if name.startswith("Atlas")
@@ -145,23 +113,44 @@ JOINT_ARRAYS = tuple(
     and field.name not in BYTES
 )
 """Arrays of numbers, one for each joint, of a command to joints."""
-osrf_msgs = _package(
+osrf_msgs = package(
     "osrf_msgs",
     JointCommands={"header": Header, "name": list, **dict.fromkeys(JOINT_ARRAYS, list)},
 )
 
-PACKAGES: dict[str, _Types] = {
-    "atlas_msgs": atlas_msgs,
-    "geometry_msgs": geometry_msgs,
-    "osrf_msgs": osrf_msgs,
-    "rosgraph_msgs": rosgraph_msgs,
-    "sensor_msgs": sensor_msgs,
-    "std_msgs": std_msgs,
+_STATE = atlas_msgs["AtlasSimInterfaceState"]
+GOAL_BEHAVIORS = {
+    name: Behavior[name]
+    for name in ("STAND", "USER", "FREEZE", "STAND_PREP", "WALK", "STEP", "MANIPULATE")
 }
+"""Behaviors of a goal; their numbers there are their places in this table."""
+WalkDemoGoal = message_type(
+    "atlas_msgs/WalkDemoGoal",
+    {
+        "header": Header,
+        "behavior": int,
+        "steps": list,
+        "step_params": atlas_msgs["AtlasBehaviorStepParams"],
+        "stand_params": atlas_msgs["AtlasBehaviorStandParams"],
+        "manipulate_params": atlas_msgs["AtlasBehaviorManipulateParams"],
+        "k_effort": bytes,
+    },
+    {name: number for number, name in enumerate(GOAL_BEHAVIORS)},
+)
+atlas_msgs |= action_types(
+    "atlas_msgs/WalkDemo",
+    Goal=WalkDemoGoal,
+    Result=message_type(
+        "atlas_msgs/WalkDemoResult", {"end_state": _STATE, "success": bool}
+    ),
+    Feedback=message_type("atlas_msgs/WalkDemoFeedback", {"state": _STATE}),
+)
+
+PACKAGES = {**GENERAL, "atlas_msgs": atlas_msgs, "osrf_msgs": osrf_msgs}
 """Message packages, each with a module ``msg``."""
 
 
-def with_joints_of(robot: Robot, types: _Types) -> _Types:
+def with_joints_of(robot: Robot, types: Types) -> Types:
     """Return the types with this robot's joint indices in ``AtlasState``."""
     indices = {
         name: index

@@ -5,12 +5,14 @@ The topics are in ``topics``, time is in ``clock``, the rest in ``rospy_module``
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
 
 from atlas_drake.errors import InvalidMessageError
-from atlas_drake.ros_scripts.clock import Clock, RosInterruptError
+from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
+from atlas_drake.ros_scripts.network import Network
 from atlas_drake.ros_scripts.ros_message import Duration, RosMessage
 from atlas_drake.ros_scripts.topics import READ, WRITE, find_topic
 
@@ -23,18 +25,18 @@ class Publisher:
 
     def __init__(
         self,
-        clock: Clock,
-        say: Callable[[str], object],
+        network: Network,
         name: str,
         data_class: type[RosMessage],
-        *_network: object,
-        **_options: object,
+        *_options: object,
+        **_named: object,
     ) -> None:
-        """Finds the topic; options of the network are ignored."""
+        """Finds the topic; options of the transport are ignored."""
         self.resolved_name, self._write = find_topic(name, data_class, WRITE)
         self.name, self.data_class = self.resolved_name, data_class
-        self._clock, self._say = clock, say
-        self._said: set[str] = set()
+        self._network, self._clock = network, network.clock
+        if self._write is None:
+            network.announce(self.name)
 
     def publish(self, *values: Any, **named: Any) -> None:
         """Sends a message, or the values of one.
@@ -52,12 +54,12 @@ class Publisher:
             )
         if self._clock.over:
             return
+        if self._write is None:
+            self._network.send(self.name, message)
+            return
         # The robot reports refused messages by error code and event.
         with suppress(InvalidMessageError), self._clock.undisturbed():
-            note = self._write(self._clock.sim, message)
-            if note and note not in self._said:
-                self._said.add(note)
-                self._say(note)
+            self._network.note(self._write(self._clock.sim, message))
         self._clock.last_command = self._clock.sim.time
 
     def get_num_connections(self) -> int:
@@ -73,28 +75,41 @@ class Subscriber:
 
     def __init__(
         self,
-        clock: Clock,
+        network: Network,
         name: str,
         data_class: type[RosMessage],
         callback: Callable[..., object] | None = None,
         callback_args: object = None,
-        *_network: object,
-        **_options: object,
+        *_options: object,
+        **_named: object,
     ) -> None:
         """Finds the topic; messages arrive while the program waits."""
         self.resolved_name, self._read = find_topic(name, data_class, READ)
-        self.name, self._clock, self._callback = self.resolved_name, clock, callback
+        self.name, self._callback = self.resolved_name, callback
+        self._clock = network.clock
         self._arguments = () if callback_args is None else (callback_args,)
+        if self._read is None:
+            self._inbox = network.receive(self.name)
         if callback is not None:
-            clock.start_callbacks(self._listen)
+            self._clock.start_callbacks(self._listen)
 
     def _listen(self) -> None:
         """Calls the callback in every control period, unless its last call waits."""
         clock = self._clock
         while clock.advance_to(clock.sim.time + clock.period) and self._callback:
-            with clock.undisturbed():
-                message = self._read(clock.sim)
-            self._callback(message, *self._arguments)
+            for message in self._arrived():
+                if self._callback is not None:
+                    self._callback(message, *self._arguments)
+
+    def _arrived(self) -> Iterator[RosMessage]:
+        """Returns the robot's present message, or those of the program since."""
+        if self._read is None:
+            while self._inbox:
+                yield self._inbox.popleft()
+        else:
+            with self._clock.undisturbed():
+                message = self._read(self._clock.sim)
+            yield message
 
     def get_num_connections(self) -> int:
         """Returns 1: the robot."""
@@ -142,10 +157,20 @@ def spin(clock: Clock) -> None:
 
 
 def wait_for_message(
-    clock: Clock, topic: str, topic_type: type[RosMessage], timeout: object = None
+    network: Network,
+    topic: str,
+    topic_type: type[RosMessage],
+    timeout: float | None = None,
 ) -> RosMessage:
-    """Waits one control period and returns a topic's message."""
-    _, read = find_topic(topic, topic_type, READ)
+    """Waits for a topic's next message: of the robot, one control period."""
+    clock = network.clock
+    resolved, read = find_topic(topic, topic_type, READ)
+    if read is None:
+        inbox = network.receive(resolved)
+        limit = math.inf if timeout is None else timeout
+        if not clock.wait_for(lambda: bool(inbox), limit):
+            raise RosError(f"no message on topic {resolved} within {limit:g} s")
+        return inbox.popleft()
     sleep(clock, clock.period)
     message: RosMessage = read(clock.sim)
     return message

@@ -11,12 +11,32 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from atlas_drake.ros_scripts.action_server import ActionServer
+from atlas_drake.ros_scripts.actionlib_module import actionlib_names
 from atlas_drake.ros_scripts.clock import ENDED, Clock
+from atlas_drake.ros_scripts.joint_topics import Trajectory
 from atlas_drake.ros_scripts.python2 import load_program
 from atlas_drake.ros_scripts.rospy_module import RosNode
 from atlas_drake.ros_scripts.unknown import LIST, ScriptError
 from atlas_drake.ros_scripts.world import World, as_main, stand_ins
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+
+
+def unfinished(sim: AtlasSimulation) -> list[str]:
+    """Names what the robot was still doing for a program when the run ended."""
+    steps = len(sim.output("controller_status").plan.footsteps)
+    kinds = {
+        "a goal of atlas/bdi_control": ActionServer,
+        "a joint trajectory": Trajectory,
+    }
+    return [
+        *([f"{steps} step{'s' * (steps > 1)}"] if steps else []),
+        *(
+            text
+            for text, kind in kinds.items()
+            if any(isinstance(hook, kind) for hook in sim.hooks)
+        ),
+    ]
 
 
 class Program:
@@ -59,7 +79,8 @@ class Program:
         """
         self._clock = clock = Clock(sim, ended, end)
         node = RosNode(clock, say)
-        modules = stand_ins(node.names(), sim.robot)
+        per_run = {"rospy": node.names(), "actionlib": actionlib_names(clock, say)}
+        modules = stand_ins(per_run, sim.robot)
         world = World(self.path.resolve().parent, clock, say)
 
         def run_threads() -> None:

@@ -2,22 +2,20 @@
 
 A program whose first line names python3 is Python 3; any other program is Python 2,
 which was current at the time of DRCSim. fissix, the maintained copy of lib2to3,
-translates it; only what depends on the types of values is done here: ``/`` of whole
-numbers, and functions that returned floats.
+translates it. What depends on the types of values is in ``python2_values``.
 """
 
 from __future__ import annotations
 
 import ast
 import functools
-import math
 import re
 import tokenize
-from numbers import Integral
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType
 from typing import Any
 
+from atlas_drake.ros_scripts.python2_values import DIVIDE, DIVIDE_IN_PLACE
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 _PYTHON3 = re.compile(r"#!.*\bpython3")
@@ -28,8 +26,6 @@ _NOT_FIXED = {
 """Fixers of fissix about packages, and those that add lines, which errors name."""
 _TAB = 8
 """Columns of a tab in Python 2."""
-DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"
-"""Names of the functions for ``/`` and ``/=`` in the program's builtins."""
 
 
 def load_program(path: Path) -> tuple[CodeType, bool]:
@@ -125,63 +121,3 @@ class _OldDivision(ast.NodeTransformer):
     def _call(self, node: ast.AST, name: str, *arguments: ast.expr) -> ast.Call:
         function = ast.Name(name, ast.Load())
         return ast.copy_location(ast.Call(function, list(arguments), []), node)
-
-
-def divide(one: Any, other: Any) -> Any:
-    """``/`` of Python 2."""
-    return one // other if _whole(one) and _whole(other) else one / other
-
-
-def _divide_in_place(one: Any, other: Any) -> Any:
-    if _whole(one) and _whole(other):
-        one //= other
-    else:
-        one /= other
-    return one
-
-
-def _whole(value: Any) -> bool:
-    kind = getattr(getattr(value, "dtype", None), "kind", "no array")
-    return isinstance(value, Integral) or kind in ("i", "u")
-
-
-def _round(number: float, digits: int = 0) -> float:
-    """Round halves away from zero; return a float."""
-    scale = 10.0**digits
-    return math.copysign(math.floor(abs(number) * scale + 0.5) / scale, number)
-
-
-BUILTINS: dict[str, Any] = {
-    DIVIDE: divide,
-    DIVIDE_IN_PLACE: _divide_in_place,
-    "cmp": lambda one, other: (one > other) - (one < other),
-    "file": open,
-    "reduce": functools.reduce,
-    "round": _round,
-}
-"""Builtins of Python 2 that fissix does not translate."""
-
-
-def old_modules() -> dict[str, ModuleType]:
-    """Return ``math`` and, if installed, ``yaml`` as they were."""
-    changed = {
-        "ceil": lambda number: float(math.ceil(number)),
-        "floor": lambda number: float(math.floor(number)),
-    }
-    modules = {"math": with_names(math, changed)}
-    try:
-        import yaml
-    except ImportError:
-        return modules
-
-    def load(stream: Any, Loader: Any = yaml.SafeLoader) -> Any:
-        return yaml.load(stream, Loader)
-
-    return modules | {"yaml": with_names(yaml, {"load": load})}
-
-
-def with_names(module: ModuleType, names: dict[str, Any]) -> ModuleType:
-    """Return a copy of a module in which some names have another meaning."""
-    result = ModuleType(module.__name__, module.__doc__)
-    vars(result).update({**vars(module), **names})
-    return result

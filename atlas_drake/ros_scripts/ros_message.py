@@ -7,7 +7,7 @@ clock, is in ``rospy_module``.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from textwrap import indent
 from typing import Any, ClassVar, Self
 
@@ -25,10 +25,11 @@ class RosMessage:
     __slots__ = ()
     _type: ClassVar[str] = ""
     _factories: ClassVar[Mapping[str, Factory]] = {}
+    _by_position: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, *values: Any, **named: Any) -> None:
         """Makes a message of values in the order of the fields, or of named ones."""
-        names = tuple(self._factories)
+        names = self._by_position
         if values and (named or len(values) != len(names)):
             raise TypeError(
                 f"{self._type} takes {len(names)} values by position "
@@ -76,15 +77,22 @@ class RosMessage:
 
 
 def message_type(
-    name: str, fields: Mapping[str, Factory], constants: Mapping[str, int] | None = None
+    name: str,
+    fields: Mapping[str, Factory],
+    constants: Mapping[str, int] | None = None,
+    by_name: Collection[str] = (),
 ) -> type[RosMessage]:
-    """Make the class of a message, by its full name such as ``std_msgs/String``."""
+    """Make the class of a message, by its full name such as ``std_msgs/String``.
+
+    The fields ``by_name`` are not among the values by position.
+    """
     package, short = name.split("/")
     content = {
         "__slots__": tuple(fields),
         "__module__": f"{package}.msg",
         "_type": name,
         "_factories": dict(fields),
+        "_by_position": tuple(field for field in fields if field not in by_name),
         **(constants or {}),
     }
     return type(short, (RosMessage,), content)

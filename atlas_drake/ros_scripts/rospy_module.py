@@ -15,6 +15,8 @@ from typing import Any
 
 from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
+from atlas_drake.ros_scripts.joint_topics import joint_name
+from atlas_drake.ros_scripts.network import Network
 from atlas_drake.ros_scripts.node import (
     Publisher,
     Rate,
@@ -25,7 +27,7 @@ from atlas_drake.ros_scripts.node import (
 )
 from atlas_drake.ros_scripts.ros_message import Duration
 from atlas_drake.ros_scripts.ros_message import Time as RosTime
-from atlas_drake.ros_scripts.topics import joint_name
+from atlas_drake.ros_scripts.services import ServiceError, ServiceProxy, find_service
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
 
 GAINS = "atlas_controller/gains"
@@ -106,7 +108,7 @@ class RosNode:
 
     def names(self) -> dict[str, Any]:
         """Returns the contents of the module ``rospy``."""
-        clock = self._clock
+        clock, network = self._clock, Network(self._clock, self._say)
         parameters = Parameters(clock.sim.robot, self._resolve)
 
         class Time(RosTime):
@@ -125,9 +127,9 @@ class RosNode:
             "init_node": self._init,
             "get_name": lambda: f"/{self._name}",
             "myargv": _own_arguments,
-            "Publisher": partial(Publisher, clock, self._say),
-            "Subscriber": partial(Subscriber, clock),
-            "wait_for_message": partial(wait_for_message, clock),
+            "Publisher": partial(Publisher, network),
+            "Subscriber": partial(Subscriber, network),
+            "wait_for_message": partial(wait_for_message, network),
             "Rate": partial(Rate, clock),
             "Time": Time,
             "Duration": Duration,
@@ -139,6 +141,9 @@ class RosNode:
             "on_shutdown": self._at_end.append,
             "signal_shutdown": self._shut_down,
             "ROSException": RosError,
+            "ServiceException": ServiceError,
+            "ServiceProxy": partial(ServiceProxy, clock),
+            "wait_for_service": lambda name, _timeout=None: find_service(name),
             "ROSInterruptException": RosInterruptError,
             "get_param": parameters.get,
             "has_param": parameters.has,
@@ -152,7 +157,7 @@ class RosNode:
             self._at_end.pop(0)()
 
     def _init(self, name: str, *_arguments: object, **_options: object) -> None:
-        """Sets the name; the registration takes one control period."""
+        """Sets the name; meanwhile earlier subscribers get their first message."""
         self._name = str(name).lstrip("/")
         self._clock.advance_to(self._clock.sim.time + self._clock.period)
 

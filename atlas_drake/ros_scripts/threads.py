@@ -77,7 +77,9 @@ def simulated_time(clock: Clock) -> ModuleType:
         return clock.now
 
     def sleep(seconds: float) -> None:
-        if not clock.advance_to(clock.sim.time + seconds):
+        if clock.paused:
+            clock.count_query()
+        elif not clock.advance_to(clock.sim.time + seconds):
             raise RunEnded
 
     module = ModuleType("time", time.__doc__)

@@ -3,44 +3,44 @@
 Commands go through ``AtlasSimulation.publish`` like those of any other commander; the
 topics that are read are outputs of the station. ``control_mode`` requests a behavior
 with all joints, or gives all joints to the user; ``mode`` puts the robot into the
-gantry and releases it. ``JointCommands`` is older than ``AtlasCommand``: it names the
-joints, in the v1 or the v3 names, with or without the prefix ``atlas::``, and has no
-``k_effort``, because its sender controls the named joints.
+gantry and releases it. Topics that name joints are in ``joint_topics``. Any other
+topic is the program's own.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
-import numpy as np
-
-from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     Behavior,
 )
+from atlas_drake.ros_scripts.joint_topics import (
+    command_joints,
+    follow_trajectory,
+    move_joint,
+)
 from atlas_drake.ros_scripts.message_types import (
-    JOINT_ARRAYS,
     atlas_msgs,
     from_ours,
     osrf_msgs,
-    rosgraph_msgs,
-    sensor_msgs,
-    std_msgs,
     to_ours,
 )
 from atlas_drake.ros_scripts.ros_message import RosMessage, Time
+from atlas_drake.ros_scripts.ros_types import (
+    rosgraph_msgs,
+    sensor_msgs,
+    std_msgs,
+    trajectory_msgs,
+)
 from atlas_drake.ros_scripts.unknown import ScriptError, unknown
 from atlas_drake.scenario import Start
 from atlas_drake.simulation import AtlasSimulation
-
-
-def joint_name(name: str) -> str:
-    """Return ``back_bkz`` for ``atlas::back_bkz``: without the name of the model."""
-    return name.rpartition("::")[2]
 
 
 def _joint_states(sim: AtlasSimulation) -> RosMessage:
@@ -51,35 +51,6 @@ def _joint_states(sim: AtlasSimulation) -> RosMessage:
     for array in ("position", "velocity", "effort"):
         setattr(message, array, list(getattr(state, array)))
     return message
-
-
-def _joint_commands(sim: AtlasSimulation, message: Any) -> None:
-    """Send an ``AtlasCommand`` that puts the named joints under user control.
-
-    Other joints, and arrays that the message leaves empty, keep the values in force.
-    """
-    try:
-        indices = [sim.robot.joint_index(joint_name(name)) for name in message.name]
-    except RobotDescriptionError as error:
-        raise ScriptError(f"name of osrf_msgs/JointCommands: {error}") from error
-    in_force = sim.output("commands").joints
-    command = AtlasCommand()
-    command.header.stamp = message.header.stamp.to_sec()
-    for field in JOINT_ARRAYS:
-        values = getattr(message, field)
-        if len(values) not in (0, len(indices)):
-            raise ScriptError(
-                f"{field} of osrf_msgs/JointCommands must have {len(indices)} "
-                f"elements, one per name, or none, has {len(values)}"
-            )
-        if len(values):
-            array = np.array(getattr(in_force, field))
-            array[indices] = values
-            setattr(command, field, array)
-    k_effort = np.array(in_force.k_effort)
-    k_effort[indices] = K_EFFORT_MAX
-    command.k_effort = k_effort
-    sim.publish(command)
 
 
 CONTROL_MODES = {
@@ -95,6 +66,11 @@ CONTROL_MODES = {
 """Words of ``atlas/control_mode``, in any case."""
 HARNESSED, NOMINAL = "harnessed", "nominal"
 """Words of ``atlas/mode``."""
+OTHER_MODES = (
+    *("bdi_stand", "feet", "no_gravity", "pid_stand"),
+    *("pinned", "pinned_with_gravity"),
+)
+"""Words of the original that have no meaning here."""
 
 
 def _change_control_mode(sim: AtlasSimulation, message: Any) -> None:
@@ -113,6 +89,8 @@ def _change_control_mode(sim: AtlasSimulation, message: Any) -> None:
 
 def _change_mode(sim: AtlasSimulation, message: Any) -> str | None:
     """Put the robot onto the gantry, or release it."""
+    if message.data in OTHER_MODES:
+        return f"! mode {message.data!r} has no stand-in; Atlas stays as it is"
     word = _word(message, "mode", (HARNESSED, NOMINAL))
     start = sim.scenario.start
     if word == NOMINAL:
@@ -157,52 +135,53 @@ def _clock(sim: AtlasSimulation) -> RosMessage:
     return rosgraph_msgs["Clock"](Time.from_sec(sim.time))
 
 
-WRITE = (
-    "publishing on",
-    {
-        "/atlas/atlas_command": (atlas_msgs["AtlasCommand"], _atlas_command),
-        "/atlas/atlas_sim_interface_command": (
-            atlas_msgs["AtlasSimInterfaceCommand"],
-            _sim_interface_command,
-        ),
-        "/atlas/joint_commands": (osrf_msgs["JointCommands"], _joint_commands),
-        "/atlas/control_mode": (std_msgs["String"], _change_control_mode),
-        "/atlas/mode": (std_msgs["String"], _change_mode),
-    },
-)
+Table = dict[str, tuple[type[RosMessage], Any]]
+
+WRITE: Table = {
+    "/atlas/atlas_command": (atlas_msgs["AtlasCommand"], _atlas_command),
+    "/atlas/atlas_sim_interface_command": (
+        atlas_msgs["AtlasSimInterfaceCommand"],
+        _sim_interface_command,
+    ),
+    "/atlas/joint_commands": (osrf_msgs["JointCommands"], command_joints),
+    "/atlas/control_mode": (std_msgs["String"], _change_control_mode),
+    "/atlas/mode": (std_msgs["String"], _change_mode),
+    "/joint_trajectory": (trajectory_msgs["JointTrajectory"], follow_trajectory),
+}
 """Topics to publish on: class of the messages, and the function that executes one and
 returns a note to print or None."""
-READ = (
-    "subscribing to",
-    {
-        "/atlas/atlas_state": (
-            atlas_msgs["AtlasState"],
-            lambda sim: from_ours(sim.atlas_state),
-        ),
-        "/atlas/atlas_sim_interface_state": (
-            atlas_msgs["AtlasSimInterfaceState"],
-            lambda sim: from_ours(sim.atlas_sim_interface_state),
-        ),
-        "/atlas/imu": (sensor_msgs["Imu"], lambda sim: from_ours(sim.imu)),
-        "/atlas/joint_states": (sensor_msgs["JointState"], _joint_states),
-        "/joint_states": (sensor_msgs["JointState"], _joint_states),
-        "/clock": (rosgraph_msgs["Clock"], _clock),
-    },
-)
+READ: Table = {
+    "/atlas/atlas_state": (
+        atlas_msgs["AtlasState"],
+        lambda sim: from_ours(sim.atlas_state),
+    ),
+    "/atlas/atlas_sim_interface_state": (
+        atlas_msgs["AtlasSimInterfaceState"],
+        lambda sim: from_ours(sim.atlas_sim_interface_state),
+    ),
+    "/atlas/imu": (sensor_msgs["Imu"], lambda sim: from_ours(sim.imu)),
+    "/atlas/joint_states": (sensor_msgs["JointState"], _joint_states),
+    "/joint_states": (sensor_msgs["JointState"], _joint_states),
+    "/clock": (rosgraph_msgs["Clock"], _clock),
+}
 """Topics to subscribe to: class of the messages, and the function that returns one."""
+_ONE_JOINT = re.compile(r"/(\w+)_position_controller/command")
+"""Topics of the first versions, one for each joint."""
 
 
-def find_topic(
-    name: object, kind: object, direction: tuple[str, dict[str, Any]]
-) -> tuple[str, Any]:
+def find_topic(name: object, kind: object, topics: Table) -> tuple[str, Any]:
     """Return a topic's resolved name, and its function in ``WRITE`` or ``READ``.
 
     The slash before a name may be missing; ``kind`` is the program's message class.
+    The function is None for a topic of the program's own.
     """
-    verb, topics = direction
     resolved = "/" + str(name).lstrip("/~")
+    one_joint = _ONE_JOINT.fullmatch(resolved)
+    if one_joint and topics is WRITE:
+        move = partial(move_joint, one_joint[1])
+        topics = {resolved: (std_msgs["Float64"], move)}
     if resolved not in topics:
-        raise unknown(f"{verb} topic {name!r}", resolved, topics)
+        return resolved, None
     expected, function = topics[resolved]
     if not (isinstance(kind, type) and issubclass(kind, expected)):
         given = getattr(kind, "_type", repr(kind))

@@ -9,6 +9,7 @@ turns and the builtins of Python 2; Drake, numpy and this package keep Python's 
 from __future__ import annotations
 
 import builtins
+import select
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,19 +17,22 @@ from functools import partial
 from importlib.machinery import SOURCE_SUFFIXES, FileFinder, SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
-from typing import Any
+from typing import Any, TextIO, cast
 
 from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts import poses
 from atlas_drake.ros_scripts.clock import Clock
+from atlas_drake.ros_scripts.keyboard import Keyboard
 from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
-from atlas_drake.ros_scripts.python2 import (
+from atlas_drake.ros_scripts.python2 import load_program
+from atlas_drake.ros_scripts.python2_values import (
     BUILTINS,
     DIVIDE,
     divide,
-    load_program,
     old_modules,
+    with_names,
 )
+from atlas_drake.ros_scripts.ros_types import std_srvs
 from atlas_drake.ros_scripts.threads import simulated_threading, simulated_time
 from atlas_drake.ros_scripts.unknown import ScriptError, UnknownNameError, unknown
 
@@ -55,12 +59,21 @@ class StandIn(ModuleType):
         raise unknown(what, name, self.names, UnknownNameError)
 
 
-def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
-    """Return all modules of ROS by full name, for a robot and contents of ``rospy``."""
+def stand_ins(
+    per_run: Mapping[str, Mapping[str, Any]], robot: Robot
+) -> dict[str, StandIn]:
+    """Return all modules of ROS by full name.
+
+    Args:
+        per_run: Contents of the modules that a run has for itself, such as ``rospy``.
+        robot: The robot, whose joints ``AtlasState`` names.
+    """
     contents: dict[str, Mapping[str, Any]] = {
+        **per_run,
         "PyKDL": poses.KDL,
         "roslib": {"load_manifest": lambda *_packages: None},
-        "rospy": rospy,
+        "std_srvs": {},
+        "std_srvs.srv": std_srvs,
         "tf": {},
         "tf.transformations": poses.TRANSFORMATIONS,
         "tf_conversions": poses.POSEMATH,
@@ -85,9 +98,11 @@ class World:
     def __init__(self, folder: Path, clock: Clock, say: Callable[[str], object]):
         """Takes time from ``clock``; ``say`` prints notes."""
         self.folders = {str(folder)}
+        self.keyboard = Keyboard(clock, sys.stdin)
         self._modules: dict[str, ModuleType] = {
             "time": simulated_time(clock),
             "threading": StandIn("threading", simulated_threading(clock)),
+            "select": with_names(select, {"select": self.keyboard.select}),
         }
         self._say: Callable[[str], object] | None = say
 
@@ -100,6 +115,7 @@ class World:
             **vars(builtins),
             **({**BUILTINS, DIVIDE: self._divide} if old else {}),
             "__import__": partial(_import, modules),
+            "input": self.keyboard.input,
         }
         exec(code, names)
 
@@ -126,9 +142,11 @@ def _import(
     level: int = 0,
 ) -> Any:
     """``__import__`` of a program, with other ``modules`` than Python's."""
-    if level == 0 and name in modules:
-        return modules[name]
-    if level == 0 and name.partition(".")[0] in REAL_TIME:
+    package = name.partition(".")[0]
+    if level == 0 and (name in modules or (package in modules and not fromlist)):
+        builtins.__import__(name)
+        return modules[package]
+    if level == 0 and package in REAL_TIME:
         raise ScriptError(
             f"module {name} has no stand-in: its waits would take real time, in which "
             "the simulation stands still; Thread, Lock, RLock and Event of threading "
@@ -167,9 +185,10 @@ def as_main(
         return FileFinder(entry, (loader, SOURCE_SUFFIXES))
 
     folder = str(path.resolve().parent)
-    before = sys.argv, list(sys.path), dict(sys.modules)
+    before = sys.argv, sys.stdin, list(sys.path), dict(sys.modules)
     main = ModuleType("__main__")
     sys.argv = [str(path), *arguments]
+    sys.stdin = cast(TextIO, world.keyboard)
     sys.path.insert(0, folder)
     sys.path_hooks.insert(0, find_in_world)
     sys.path_importer_cache.pop(folder, None)
@@ -178,7 +197,7 @@ def as_main(
         yield main
     finally:
         sys.path_hooks.remove(find_in_world)
-        sys.argv, sys.path[:], known = before
+        sys.argv, sys.stdin, sys.path[:], known = before
         for entry in world.folders:
             sys.path_importer_cache.pop(entry, None)
         for name, module in list(sys.modules.items()):

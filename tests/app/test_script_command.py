@@ -1,16 +1,20 @@
 """``atlas-drake script``: what it prints, writes and returns, and the examples."""
 
 import json
+import math
 import os
 import signal
 import subprocess
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from atlas_drake import read_log
 from atlas_drake.app.main import main
+from atlas_drake.app.run import end_after_fall
+from atlas_drake.messages.event import Event
 
 from .conftest import COMMAND
 
@@ -101,6 +105,30 @@ def test_a_program_that_ends_with_a_command_gets_the_hint_to_give_a_duration(
     assert "STAND -> MANIPULATE" in out
 
 
+@pytest.mark.parametrize(("fallen", "end"), [(True, 7.0), (False, math.inf)])
+def test_a_run_ends_after_the_last_fall(fallen, end):
+    falls = [Event(time, "fall", "") for time in (1.0, 5.0)]
+    sim = SimpleNamespace(has_fallen=fallen, events=falls)
+    assert end_after_fall(sim) == end
+
+
+def test_steps_that_were_not_taken_are_told(program, capsys):
+    path = program(
+        "import actionlib, rospy\nfrom atlas_msgs.msg import *\n"
+        "goal = WalkDemoGoal(behavior=WalkDemoGoal.WALK)\n"
+        "for i in range(1, 6):\n"
+        "    step = AtlasBehaviorStepData(step_index=i, foot_index=i % 2)\n"
+        "    step.duration, step.pose.position.y = 0.63, 0.1 - i % 2 * 0.2\n"
+        "    goal.steps.append(step)\n"
+        "client = actionlib.SimpleActionClient('atlas/bdi_control', WalkDemoAction)\n"
+        "client.send_goal(goal)\nrospy.sleep(0.1)\n"
+    )
+    assert main(["script", path, "--headless"]) == 0
+    out = capsys.readouterr().out
+    assert "with 4 steps and a goal of atlas/bdi_control not completed" in out
+    assert "--duration" in out
+
+
 def test_a_refused_message_is_a_run_that_failed(program, capsys):
     path = program(
         "import rospy\nfrom atlas_msgs.msg import AtlasCommand\n"
@@ -146,6 +174,7 @@ def test_ctrl_c_ends_a_program_and_its_summary_is_written(
     assert "now" in process.stdout.readline()
     time.sleep(0.2)
     process.send_signal(signal.SIGINT)
+    process.wait(timeout=60)  # The end of its input would end the wait, too.
     out, errors = process.communicate(timeout=60)
     assert process.returncode == 130, out + errors
     assert "Stopped at" in out

@@ -24,6 +24,7 @@ def shared_sim():
 @pytest.fixture
 def sim(shared_sim):
     """One that has just begun."""
+    shared_sim.hooks.clear()
     shared_sim.reset(seed=0)
     return shared_sim
 

@@ -10,14 +10,16 @@ from atlas_drake.ros_scripts.message_types import (
     ROS_TYPES,
     atlas_msgs,
     from_ours,
-    geometry_msgs,
-    std_msgs,
     to_ours,
 )
 from atlas_drake.ros_scripts.ros_message import Duration, Time
+from atlas_drake.ros_scripts.ros_types import geometry_msgs, std_msgs
 from atlas_drake.ros_scripts.unknown import UnknownNameError
 
-Command, Walk = atlas_msgs["AtlasCommand"], atlas_msgs["AtlasSimInterfaceCommand"]
+Command, Walk, State = (
+    atlas_msgs[f"Atlas{name}"]
+    for name in ("Command", "SimInterfaceCommand", "SimInterfaceState")
+)
 
 
 @pytest.mark.parametrize("kind", ROS_TYPES, ids=lambda kind: kind.__name__)
@@ -95,3 +97,25 @@ def test_times_are_seconds_and_nanoseconds():
     assert (time.secs, time.nsecs, time.to_nsec()) == (1, 500_000_000, 1_500_000_000)
     with pytest.raises(TypeError):
         _ = time < 2.0
+
+
+@pytest.mark.parametrize(
+    ("read", "now"),
+    [
+        (lambda: Walk().manipulate_params.desired.pelvis_lat, "com_v0"),
+        (lambda: Walk().walk_params.step_data, "step_queue"),
+        (lambda: State().behavior_feedback.walk_feedback, "State.walk_feedback"),
+        (lambda: State().foot_pose_est, "foot_pos_est"),
+    ],
+)
+def test_fields_of_older_messages_are_named_as_they_are_today(read, now):
+    with pytest.raises(AttributeError, match=f"Its name is now .*{now}"):
+        read()
+
+
+def test_values_by_position_are_those_of_the_original():
+    step = atlas_msgs["AtlasBehaviorStepData"]()
+    params = atlas_msgs["AtlasBehaviorStepParams"](step, True)
+    assert (params.desired_step, params.use_demo_walk) == (step, True)
+    queue = [step] * 4
+    assert atlas_msgs["AtlasBehaviorWalkParams"](queue, False).step_queue == queue

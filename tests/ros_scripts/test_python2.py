@@ -57,6 +57,24 @@ def test_a_program_that_names_python3_runs_as_python_3(run):
     assert run(text).printed == ["0.5"]
 
 
+def test_whole_floats_count_in_python_2(run):
+    ran = run(
+        "import math, numpy.linalg\n"
+        "from numpy import linspace\n"
+        "n = math.ceil(0.05 / 0.02)\n"
+        "print(linspace(0, 1, n), numpy.linspace(0, 1, num=n)[1], range(1, n))\n"
+        "print(len(numpy.zeros(n)), numpy.ones((2, n)).shape, numpy.eye(n)[0, 0])\n"
+        "print(numpy.arange(n), numpy.float(3), numpy.linalg.norm([3, 4]))\n"
+        "numpy.zeros(2.5)\n"
+    )
+    assert ran.printed == [
+        "[0.  0.5 1. ] 0.5 [1, 2]",
+        "3 (2, 3) 1.0",
+        "[0. 1. 2.] 3.0 5.0",
+    ], ran.complained
+    assert "TypeError" in ran.problem  # As in the Python 2 of later years.
+
+
 def test_yaml_load_needs_no_loader(run):
     assert run("import yaml\nprint(yaml.load('[1, 2]'))\n").printed == ["[1, 2]"]
 
