@@ -17,7 +17,7 @@ from pydrake.geometry import Meshcat
 from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
-from atlas_drake.logs import Log
+from atlas_drake.logs import Log, read_log
 from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
@@ -193,6 +193,15 @@ def keep_recording(
         progress,
         " Open it in a browser.",
     )
+
+
+def read_saying(path: Path, progress: StatusLine) -> Log:
+    """Reads a log, and says what is damaged in its header."""
+    progress.say(f"Reading {path} ...")
+    log = read_log(path)
+    for fault in log.header.faults():
+        progress.say(f"! {fault}")
+    return log
 
 
 def shown_of_log(names: Iterable[str], log: Log, progress: StatusLine) -> list[str]:

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.config import read_yaml
-from atlas_drake.errors import RobotDescriptionError, did_you_mean
+from atlas_drake.errors import AtlasError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
 from atlas_drake.logs.topics import STRUCTURED, part_of_message
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
@@ -299,15 +298,16 @@ class Log:
             LogError: If the robot is unknown, its files are missing, or its joints have
                 changed since the run.
         """
+        model = self.header.model
         try:
-            robot = load_robot(self.header.model)
-        except RobotDescriptionError as error:
+            robot = load_robot(model)
+        except (AtlasError, OSError, ValueError) as error:  # A name may be no path.
             raise LogError(
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error
         if self.schema.names[Names.JOINTS] != robot.joint_names:
             raise LogError(
-                f"{self.path}: its robot, {self.header.model}, has other joints than "
+                f"{self.path}: its robot, {model}, has other joints than "
                 "when the log was recorded; restore its file of that time"
             )
         return robot
@@ -319,8 +319,9 @@ class Log:
         Raises:
             LogError: If this version of the program cannot run the scenario.
         """
+        fields = self.header.scenario
         try:
-            return scenario_from(read_yaml(self.header.scenario))
+            return scenario_from(fields)
         except Exception as error:
             # The loader raises many kinds of exception.
             raise LogError(f"{self.path}: its scenario is unknown: {error}") from error

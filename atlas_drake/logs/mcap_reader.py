@@ -69,7 +69,7 @@ def _read(path: Path) -> Log:
                 raise
     if header is None:
         raise LogError("it is an MCAP file, but not of this program")
-    head, schema = read_header(header)
+    head, schema = read_header(header, path)
     # The time is the last message of a record.
     count = len(messages[TIME])
     if not count:
