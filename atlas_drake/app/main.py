@@ -27,6 +27,7 @@ from atlas_drake.app.options import (
     size,
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization import FILM_SIZE
 
@@ -75,14 +76,10 @@ def _parsed(given: Sequence[str]) -> argparse.Namespace:
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
-    """Checks that input files exist, before Drake loads, which takes seconds."""
+    """Checks that inputs are files, before Drake loads, which takes seconds."""
     for path in [getattr(options, name, None) for name in options.reads]:
-        try:
-            missing = path is not None and not path.exists()
-        except OSError as error:  # A name too long, for instance.
-            raise AtlasError(f"{path}: {error.strerror}") from error
-        if missing:
-            raise AtlasError(f"{path}: there is no such file")
+        if path is not None and (problem := why_not_readable(path)):
+            raise AtlasError(f"{path}: {problem}")
 
 
 def _parser() -> _Parser:

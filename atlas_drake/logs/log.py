@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.errors import AtlasError, did_you_mean
+from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
 from atlas_drake.logs.topics import STRUCTURED, part_of_message
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
@@ -301,7 +301,7 @@ class Log:
         model = self.header.model
         try:
             robot = load_robot(model)
-        except (AtlasError, OSError, ValueError) as error:  # A name may be no path.
+        except RobotDescriptionError as error:
             raise LogError(
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error

@@ -13,6 +13,7 @@ import orjson
 from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.logs.header import LogError, read_header
 from atlas_drake.logs.log import Log, LoggedEvent, Part
 from atlas_drake.logs.mcap_writer import HEADER, METADATA, check_log_path
@@ -35,6 +36,8 @@ def read_log(path: str | Path) -> Log:
     """
     path = Path(path)
     check_log_path(path)
+    if problem := why_not_readable(path):
+        raise LogError(f"{path}: {problem}")
     try:
         return _read(path)
     except OSError as error:

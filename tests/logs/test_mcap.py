@@ -238,7 +238,7 @@ def test_a_damaged_header_stops_only_who_needs_it(
         make_replay(damaged)
 
 
-@pytest.mark.parametrize("model", ["a\0.yaml", f"{'a' * 5000}.yaml", "~nobody/a.yaml"])
+@pytest.mark.parametrize("model", ["a\0.yaml", 5000 * "a" + ".yaml", "~no-one/a.yaml"])
 def test_a_robot_whose_name_is_no_path_is_unknown(model, log):
     with pytest.raises(LogError, match="its robot cannot be loaded"):
         _ = with_header(log, model=model).robot
