@@ -44,15 +44,16 @@ TABLES = (".parquet", ".csv", ".npz")
 
 def plot_log(options: argparse.Namespace) -> int:
     """Draws the figures of a log, or lists its columns; returns the exit status."""
+    progress = StatusLine(sys.stdout)
     if options.channels == "":
         log = read_log(options.log)
-        names = [f"{name} [{unit or '-'}]" for name, unit in log.units.items()]
-        sys.stdout.write("\n".join([*names, ""]))
+        for name, unit in log.units.items():
+            progress.say(f"{name} [{unit or '-'}]")
         return exit_status.OK
     with _needs_extra("plot"):
         from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page
     file = _output(options, SUFFIXES)
-    log = read_saying(options.log, StatusLine(sys.stdout))
+    log = read_saying(options.log, progress)
     if options.channels is None:
         figure = draw_page(log)
     else:

@@ -28,7 +28,7 @@ from atlas_drake.app.options import (
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.atomic_write import why_not_readable
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, printable
 from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = run(options)
         return status
     except AtlasError as error:
-        print(f"atlas-drake: error: {error}", file=sys.stderr)
+        print(f"atlas-drake: error: {printable(str(error))}", file=sys.stderr)
         return exit_status.BAD_INPUT
     except KeyboardInterrupt:
         return exit_status.INTERRUPTED
@@ -67,7 +67,8 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Ends the process."""
-        self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        told = f"{self.prog}: error: {printable(message)} (see {self.prog} --help)\n"
+        self.exit(exit_status.BAD_INPUT, told)
 
 
 def _parsed(given: Sequence[str]) -> argparse.Namespace:

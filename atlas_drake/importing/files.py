@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 from pydrake.math import RotationMatrix
 
+from atlas_drake.errors import printable
 from atlas_drake.importing.anatomy import Anatomy
 from atlas_drake.importing.findings import LOST, Findings, ImportRefused
 from atlas_drake.importing.meshes import (
@@ -248,9 +249,9 @@ def write_yaml(
     """Writes the robot's YAML file, one line per joint, for people to edit."""
     length, width = file.sole.length, file.sole.width
     lines = [
-        f"# Imported from {_line(source)}. Edit it freely: another import keeps it as "
-        f"{KEPT}.",
-        *(f"# {_line(note)}" for note in notes),
+        f"# Imported from {printable(source)}. Edit it freely: another import keeps it "
+        f"as {KEPT}.",
+        *(f"# {note}" for note in notes),
         f"urdf: {file.urdf}",
         f"pelvis: {_name(file.pelvis)}",
         f"chest: {file.chest} # The chest, parallel to the pelvis.",
@@ -289,11 +290,6 @@ def _name(text: str) -> str:
     """Returns a name as YAML reads it back."""
     plain = re.fullmatch(r"[A-Za-z_][\w./-]*", text) and yaml.safe_load(text) == text
     return text if plain else json.dumps(text, ensure_ascii=not text.isprintable())
-
-
-def _line(text: str) -> str:
-    """Returns a text without line breaks and what else cannot be printed."""
-    return "".join(one if one.isprintable() else " " for one in text)
 
 
 def _file_name(link: str) -> str:

@@ -20,7 +20,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from atlas_drake.atomic_write import why_not_readable
-from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.errors import RobotDescriptionError, printable
 
 LOCAL_MODELS = "ATLAS_DRAKE_MODELS"
 """Environment variable that names a folder with the content of ``drake_models``."""
@@ -153,6 +153,8 @@ def _faults() -> Iterator[list[str]]:
             if kind in _passed:
                 return False
             _passed.add(kind)
+        # Names are the file's; the formats of Drake's records are filled in here.
+        record.msg, record.args = printable(message), ()
         return record.levelno >= least
 
     logger.addFilter(passes)

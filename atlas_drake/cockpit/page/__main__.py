@@ -16,6 +16,7 @@ from atlas_drake.cockpit.page.access import Access
 from atlas_drake.cockpit.page.server import FIRST_PORT, Server, serving
 from atlas_drake.cockpit.page.session import Session
 from atlas_drake.cockpit.wire import Answer
+from atlas_drake.errors import printable
 
 LONGEST_LINE = 200
 """Letters of a line about an input that was dropped."""
@@ -56,8 +57,8 @@ class OneLine(logging.Formatter):
         """Returns the error in one line."""
         error = record.exc_info[1] if record.exc_info else record.getMessage()
         kind = f"{type(error).__name__}: " if isinstance(error, Exception) else ""
-        text = f"! The page dropped an input: {kind}{error}"[:LONGEST_LINE]
-        return "".join(one if one.isprintable() else " " for one in text)
+        text = f"! The page dropped an input: {kind}{error}"
+        return printable(text)[:LONGEST_LINE]
 
 
 if __name__ == "__main__":
