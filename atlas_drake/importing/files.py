@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,9 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake.errors import printable
 from atlas_drake.importing.anatomy import Anatomy
+from atlas_drake.importing.elements import DRAKE
 from atlas_drake.importing.findings import LOST, Findings, ImportRefused
+from atlas_drake.importing.geometry import Geometry
 from atlas_drake.importing.meshes import (
     MeshLibrary,
     vertices_of,
@@ -35,7 +38,6 @@ edited."""
 SOLES = ("l_sole_frame", "r_sole_frame")
 UPRIGHT = "chest_upright_frame"
 """Frame of the chest, parallel to the pelvis with all joints at zero."""
-DRAKE = "http://drake.mit.edu"
 CONTACT_RADIUS = 0.005
 """Radius of the balls at the corners of each sole [m]."""
 
@@ -69,7 +71,7 @@ def write_urdf(
         if body not in anatomy.feet:
             flat += _add_hulls(element, name, link, meshes, folder)
         elif name == body:
-            _add_corners(element, soles, anatomy.feet.index(body))
+            _add_corners(element, link, soles, anatomy.feet.index(body))
     for joint in tree.joints.values():
         _add_joint(root, joint)
     for name, foot, X_FS in zip(SOLES, anatomy.feet, soles.poses, strict=True):
@@ -120,9 +122,9 @@ def _add_visuals(
         inside = etree.SubElement(element, "visual")
         _add_origin(inside, shape.origin)
         color = tree.color(shape.material)
-        if shape.geometry.mesh is not None:
+        if shape.geometry.is_mesh:
             file = f"{MESHES}/{_file_name(name)}_{number}.gltf"
-            is_plain = shape.geometry.mesh.filename.lower().endswith(".stl")
+            is_plain = shape.geometry.file.lower().endswith(".stl")
             write_visible(seen, folder / file, color if is_plain else None)
             _add_mesh(inside, file)
             continue
@@ -142,7 +144,7 @@ def _add_hulls(
         if not felt:
             continue
         file = f"{MESHES}/{_file_name(name)}_{number}.obj"
-        is_mesh = shape.geometry.mesh is not None
+        is_mesh = shape.geometry.is_mesh
         if is_mesh and not write_hull(vertices_of(felt, np.eye(4)), folder / file):
             flat.append(name)
             continue
@@ -153,11 +155,13 @@ def _add_hulls(
             etree.SubElement(mesh, f"{{{DRAKE}}}declare_convex")
         else:
             _add_primitive(inside, shape.geometry)
+        _add_properties(inside, shape.geometry)
     return flat
 
 
-def _add_corners(element: Any, soles: Soles, foot: int) -> None:
-    """Adds a ball to each corner of a sole."""
+def _add_corners(element: Any, link: Any, soles: Soles, foot: int) -> None:
+    """Adds a ball to each corner of a sole, with properties of the foot's shapes."""
+    shapes = [shape.geometry for shape in link.collisions if shape.geometry.properties]
     for x in (-0.5, 0.5):
         for y in (-0.5, 0.5):
             corner = np.eye(4)
@@ -166,6 +170,13 @@ def _add_corners(element: Any, soles: Soles, foot: int) -> None:
             _add_origin(inside, soles.poses[foot] @ corner)
             geometry = etree.SubElement(inside, "geometry")
             etree.SubElement(geometry, "sphere", radius=_text(CONTACT_RADIUS))
+            for shape in shapes[:1]:
+                _add_properties(inside, shape)
+
+
+def _add_properties(inside: Any, shape: Geometry) -> None:
+    for properties in shape.properties:
+        inside.append(copy.deepcopy(properties))
 
 
 def _add_mesh(inside: Any, file: str) -> Any:
@@ -173,16 +184,9 @@ def _add_mesh(inside: Any, file: str) -> Any:
     return etree.SubElement(geometry, "mesh", filename=file)
 
 
-def _add_primitive(inside: Any, shape: Any) -> None:
-    geometry = etree.SubElement(inside, "geometry")
-    if shape.box is not None:
-        etree.SubElement(geometry, "box", size=_text(*shape.box.size))
-    elif shape.sphere is not None:
-        etree.SubElement(geometry, "sphere", radius=_text(shape.sphere.radius))
-    else:
-        drum = shape.cylinder
-        size = {"radius": _text(drum.radius), "length": _text(drum.length)}
-        etree.SubElement(geometry, "cylinder", **size)
+def _add_primitive(inside: Any, shape: Geometry) -> None:
+    sizes = {name: _text(*values) for name, values in shape.numbers.items()}
+    etree.SubElement(etree.SubElement(inside, "geometry"), shape.tag, **sizes)
 
 
 def _add_joint(root: Any, joint: Any) -> None:
