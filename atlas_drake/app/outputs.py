@@ -225,3 +225,6 @@ def quiet_logs() -> None:
     ours.addHandler(logging.NullHandler())
     # The address of the 3D view is printed separately.
     logging.getLogger("drake").setLevel(logging.WARNING)
+    # An import says itself what it leaves out, in names that can be printed.
+    for name in ("trimesh", "yourdfpy"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -5,6 +5,7 @@ Reading, hulls, simplification and writing are trimesh's.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -28,6 +29,8 @@ ENDINGS = (".stl", ".obj", ".dae", ".gltf", ".glb", ".ply")
 LARGEST = 50_000_000
 """Size of the largest file that is read [byte]: the largest mesh of the robots in
 packages has 29 MB."""
+MOST_ELEMENTS = 10_000_000
+"""Largest number of vertices, normals and the like of a glTF file."""
 _TO_Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
 """glTF files have y up, and are turned back by whoever reads them."""
 _ROUGHNESS = 0.8
@@ -55,11 +58,13 @@ class MeshLibrary:
         """Returns the meshes of a geometry in its frame; none if it cannot be read."""
         if not geometry.is_mesh:
             return [_primitive(geometry)]
+        scale = geometry.numbers.get("scale", (1.0,))
         try:
             path = self._resolve(geometry.file)
-            if path not in self._known:
-                self._known[path] = _read(path)
-            return _scaled(self._known[path], geometry.numbers.get("scale", (1.0,)))
+            with np.errstate(all="ignore"):  # What overflows is not finite.
+                if path not in self._known:
+                    self._known[path] = _read(path)
+                return _scaled(self._known[path], scale)
         except Exception as error:  # trimesh raises whatever its readers raise.
             self.lost[geometry.file] = " ".join(str(error).split())
             return []
@@ -137,6 +142,19 @@ def _check_file(path: Path) -> None:
     if path.suffix.lower() not in ENDINGS:
         raise ValueError(f"{path} is no mesh: must end in one of {', '.join(ENDINGS)}")
     _check_size(path)
+    if path.suffix.lower() in (".gltf", ".glb"):
+        _check_gltf(path)
+
+
+def _check_gltf(path: Path) -> None:
+    """Refuses a small file with any number of elements: without data they are 0."""
+    data = path.read_bytes()
+    if data.startswith(b"glTF"):  # The binary form begins with the length of its JSON.
+        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]
+    count = sum(int(one["count"]) for one in json.loads(data).get("accessors", ()))
+    if count > MOST_ELEMENTS:
+        rule = f"must have at most {MOST_ELEMENTS}"
+        raise ValueError(f"{path} has {count} elements; {rule}")
 
 
 def _check_size(path: Path) -> None:

@@ -172,6 +172,7 @@ HUGE = 10**9
         ("a", "is no mesh"),
         ("huge.stl", "has 1000 MB; must have at most 50"),
         ("wide.obj", "not finite"),
+        ("many.gltf", "has 1000000000 elements; must have at most 10000000"),
         ("pipe.gltf", "pipe.bin: is no regular file"),
         ("above.gltf", "is not in the folder of the mesh"),
     ],
@@ -189,6 +190,8 @@ def test_only_meshes_of_a_bounded_size_are_read(tmp_path, name, words):
         buffers = [{"uri": uri, "byteLength": 4}]
         text = json.dumps({"asset": {"version": "2.0"}, "buffers": buffers})
         (tmp_path / f"{gltf}.gltf").write_text(text)
+    many = {"accessors": [{"componentType": 5126, "type": "VEC3", "count": HUGE}]}
+    (tmp_path / "many.gltf").write_text(json.dumps(many))
     meshes = MeshLibrary(lambda given: tmp_path / given)
     assert meshes.shape(Geometry("mesh", {"scale": (1e8,)}, name)) == []
     assert words in meshes.lost[name]
