@@ -40,6 +40,7 @@ def film_log(options: argparse.Namespace) -> int:
     quiet_logs()
     progress = StatusLine(sys.stdout)
     log = read_saying(options.log, progress)
+    _ = log.robot  # Without it the log is at fault, and no film is lost.
     show = shown_of_log(options.show, log, progress)
     return _film(log, path, progress, size=options.size, show=show, view=view)
 
