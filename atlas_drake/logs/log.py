@@ -222,8 +222,12 @@ class Log:
         """Makes a structured value once for all records that have it."""
         key = name, place
         if key not in self._made:
-            plain = part_of_message(name, self.parts[name].messages[place])
-            self._made[key] = STRUCTURED[name].read(plain)
+            try:
+                plain = part_of_message(name, self.parts[name].messages[place])
+                self._made[key] = STRUCTURED[name].read(plain)
+            except Exception as error:  # Readers raise whatever does not fit.
+                problem = f"a message on /{name} is damaged: {error!r}"
+                raise LogError(f"{self.path}: {problem}") from error
         return self._made[key]
 
     @cached_property

@@ -82,7 +82,9 @@ def _read(path: Path) -> Log:
         for name in (TIME, *schema.groups, *STRUCTURED)
     }
     rows = {name: [one.sequence for one in messages[name]] for name in plain}
-    arrays = {TIME: np.array([one[TIME] for one in plain[TIME]])}
+    arrays = {TIME: np.array([one[TIME] for one in plain[TIME]], dtype=float)}
+    if not np.isfinite(arrays[TIME]).all():
+        raise LogError(f"/{TIME}: a record has no time")
     for group in schema.groups:
         arrays |= _columns(schema, group, rows[group], plain[group], count)
     parts = {name: Part(rows[name], plain[name]) for name in STRUCTURED}
@@ -110,6 +112,10 @@ def _columns(
         given = [message[field] for message in messages]
         if column.labels:
             given = [list(one.values()) for one in given]
-        table = np.array(given, dtype=float).repeat(counts, axis=0)
+        table = np.array(given, dtype=float)
+        one = (len(column.elements),) if column.labels else ()
+        if given and table.shape[1:] != one:
+            raise LogError(f"/{group}: {field} has not the elements of its schema")
+        table = table.repeat(counts, axis=0)
         arrays[f"{group}.{field}"] = table.astype(column.kind)
     return arrays

@@ -18,6 +18,7 @@ from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.frozen import replace
 from atlas_drake.logs import mcap_writer
 from atlas_drake.logs.figures import draw_page
+from atlas_drake.logs.log import Part
 from atlas_drake.logs.mcap_writer import HEADER, METADATA, McapWriter
 from atlas_drake.messages.event import RunEvent
 from atlas_drake.records.column import Names
@@ -197,6 +198,44 @@ def test_a_header_that_does_not_fit_is_refused(changes, complaint, log, tmp_path
         writer.finish()
     with pytest.raises(LogError, match=rf"other\.mcap: .*{complaint}"):
         read_log(path)
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "complaint"),
+    [
+        ("time", {"time": None}, "/time: a record has no time"),
+        ("time", {"time": "soon"}, "could not convert string to float: 'soon'"),
+        ("time", [], "no log that can be read"),
+        (
+            "gains",
+            {"kp_position": {"a": 1}},
+            "/gains: kp_position has not the elements of its schema",
+        ),
+        ("gains", {}, "no log that can be read"),
+    ],
+)
+def test_damaged_records_are_refused(topic, message, complaint, log, tmp_path):
+    path = tmp_path / "other.mcap"
+    messages = {"gains": {}, "time": {"time": 0.0}, topic: message}
+    header = json.loads(log.header.to_json(log.schema))
+    header["schema"]["groups"] = ["gains"]
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        writer.add_metadata(METADATA, {HEADER: json.dumps(header)})
+        for name, content in messages.items():
+            channel = writer.register_channel(f"/{name}", "json", 0)
+            writer.add_message(channel, 0, json.dumps(content).encode(), 0, 0)
+        writer.finish()
+    with pytest.raises(LogError, match=rf"other\.mcap: .*{complaint}"):
+        read_log(path)
+
+
+@pytest.mark.parametrize("message", [None, [], {}, {"paths": "x"}, {"paths": {"a": 1}}])
+def test_a_damaged_part_of_a_record_is_named(message, log):
+    parts = {**log.parts, "paths": Part([0], [message])}
+    with pytest.raises(LogError, match=r"run\.mcap: a message on /paths is damaged"):
+        [*replace(log, parts=parts).records()]
 
 
 def test_a_log_of_an_unknown_robot_is_refused(log):
