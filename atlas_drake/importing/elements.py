@@ -13,6 +13,8 @@ from atlas_drake.importing.findings import ImportRefused
 
 DRAKE = "http://drake.mit.edu"
 """Namespace of what Drake's parser reads beside the elements of URDF."""
+ROTOR_INERTIA, GEAR_RATIO = f"{{{DRAKE}}}rotor_inertia", f"{{{DRAKE}}}gear_ratio"
+"""What Drake's parser reads of an actuator [kg·m²], [-]."""
 _LARGEST = 1e9
 """Numbers beyond it are errors, in any unit."""
 
@@ -83,17 +85,20 @@ _NEEDED = {
 
 
 def check_elements(root: Any) -> None:
-    """Checks the attributes of links, joints and materials.
+    """Checks the attributes of links, joints, materials and motors.
 
     Raises:
         ImportRefused: If one is missing, or is not the number that it should be.
     """
     for part in root:
         if part.tag in ("link", "joint", "material"):
-            for element in part.iter(etree.Element):
-                where = f"{part.tag} {part.get('name')}, <{spelt(element.tag)}>"
-                for fault in _faults(element):
-                    raise ImportRefused(f"{where}: {fault}")
+            elements = part.iter(etree.Element)
+        else:  # The <joint> of a transmission is but a name.
+            elements = part.iterfind("actuator/*")
+        for element in elements:
+            where = f"{part.tag} {part.get('name')}, <{spelt(element.tag)}>"
+            for fault in _faults(element):
+                raise ImportRefused(f"{where}: {fault}")
 
 
 def _faults(element: Any) -> Iterator[str]:

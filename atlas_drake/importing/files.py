@@ -16,7 +16,7 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake.errors import printable
 from atlas_drake.importing.anatomy import Anatomy
-from atlas_drake.importing.elements import DRAKE
+from atlas_drake.importing.elements import DRAKE, GEAR_RATIO, ROTOR_INERTIA
 from atlas_drake.importing.findings import LOST, Findings, ImportRefused
 from atlas_drake.importing.geometry import Geometry
 from atlas_drake.importing.meshes import (
@@ -73,7 +73,7 @@ def write_urdf(
         elif name == body:
             _add_corners(element, link, soles, anatomy.feet.index(body))
     for joint in tree.joints.values():
-        _add_joint(root, joint)
+        _add_joint(root, joint, tree.rotors.get(joint.name, {}))
     for name, foot, X_FS in zip(SOLES, anatomy.feet, soles.poses, strict=True):
         _add_frame(root, name, foot, X_FS)
     X = tree.poses()
@@ -189,7 +189,7 @@ def _add_primitive(inside: Any, shape: Geometry) -> None:
     etree.SubElement(etree.SubElement(inside, "geometry"), shape.tag, **sizes)
 
 
-def _add_joint(root: Any, joint: Any) -> None:
+def _add_joint(root: Any, joint: Any, rotor: Mapping[str, float]) -> None:
     element = etree.SubElement(root, "joint", name=joint.name, type=joint.type)
     etree.SubElement(element, "parent", link=joint.parent)
     etree.SubElement(element, "child", link=joint.child)
@@ -213,18 +213,25 @@ def _add_joint(root: Any, joint: Any) -> None:
     kind = etree.SubElement(transmission, "type")
     kind.text = "transmission_interface/SimpleTransmission"
     etree.SubElement(transmission, "joint", name=joint.name)
-    etree.SubElement(transmission, "actuator", name=joint.name)
+    actuator = etree.SubElement(transmission, "actuator", name=joint.name)
+    for tag, value in rotor.items():
+        etree.SubElement(actuator, tag, value=_text(value))
 
 
 def add_rotors(urdf: Path, inertias: Mapping[str, float]) -> None:
-    """Adds rotor inertias to the motors of a URDF, at the joints [kg·m²]."""
+    """Adds rotor inertias to those of the motors of a URDF, at the joints [kg·m²]."""
     tree = etree.parse(str(urdf), etree.XMLParser(remove_blank_text=True))
     for transmission in tree.iterfind("transmission"):
         actuator = transmission.find("actuator")
         inertia = inertias.get(actuator.get("name"))
         if inertia is not None:
-            for name, value in (("rotor_inertia", inertia), ("gear_ratio", 1.0)):
-                etree.SubElement(actuator, f"{{{DRAKE}}}{name}", value=_text(value))
+            given = {one.tag: float(one.get("value")) for one in actuator}
+            ratio = given.get(GEAR_RATIO) or 1.0
+            rotor = given.get(ROTOR_INERTIA, 0.0) + inertia / ratio**2
+            for one in list(actuator):
+                actuator.remove(one)
+            for tag, value in ((ROTOR_INERTIA, rotor), (GEAR_RATIO, ratio)):
+                etree.SubElement(actuator, tag, value=_text(value))
     tree.write(str(urdf), pretty_print=True, xml_declaration=True, encoding="utf-8")
 
 

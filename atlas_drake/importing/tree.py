@@ -17,7 +17,12 @@ import yourdfpy.urdf as urdf
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform
 
-from atlas_drake.importing.elements import DRAKE, check_elements
+from atlas_drake.importing.elements import (
+    DRAKE,
+    GEAR_RATIO,
+    ROTOR_INERTIA,
+    check_elements,
+)
 from atlas_drake.importing.findings import ImportRefused
 from atlas_drake.importing.geometry import take_geometries
 
@@ -30,12 +35,20 @@ DEEPEST = 200
 
 
 class Tree:
-    """Links and joints by name; changed by the repairs."""
+    """Links and joints by name; changed by the repairs.
+
+    Attributes:
+        links: The links.
+        joints: The joints.
+        rotors: Rotor inertia and gear ratio, as Drake's elements, by joint.
+    """
 
     def __init__(self, file: Path) -> None:
         """Reads a file."""
         try:
-            self.urdf = _read(file)
+            root = _read(file)
+            self.rotors = _rotors(root)
+            self.urdf = _parsed(root)
         except ImportRefused:
             raise
         except Exception as error:  # lxml and yourdfpy raise several kinds.
@@ -223,8 +236,8 @@ class Tree:
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
 
 
-def _read(file: Path) -> urdf.URDF:
-    """Reads a file by yourdfpy, which reads on past faults, and by checks before it."""
+def _read(file: Path) -> Any:
+    """Reads and checks the elements of a file."""
     parser = etree.XMLParser(remove_comments=True, remove_pis=True)
     root = etree.parse(str(file), parser).getroot()
     if root.tag != "robot":
@@ -233,6 +246,24 @@ def _read(file: Path) -> urdf.URDF:
         if element.prefix == "drake":  # Drake goes by the prefix.
             element.tag = f"{{{DRAKE}}}{etree.QName(element).localname}"
     check_elements(root)
+    return root
+
+
+def _rotors(root: Any) -> dict[str, dict[str, float]]:
+    """Returns what is known of the rotors, by joint."""
+    return {
+        joint.get("name"): {
+            tag: float(rotor.get("value", 0.0))
+            for tag in (ROTOR_INERTIA, GEAR_RATIO)
+            for rotor in transmission.iterfind(f"actuator/{tag}")
+        }
+        for transmission in root.iterfind("transmission")
+        for joint in transmission.iterfind("joint")
+    }
+
+
+def _parsed(root: Any) -> urdf.URDF:
+    """Reads elements by yourdfpy, which reads on past faults."""
     geometries = take_geometries(root)
     found = urdf.URDF.load(
         BytesIO(etree.tostring(root)),

@@ -57,6 +57,9 @@ from .replaced import limits
         ((r'(<joint name="left_knee".*?)(?=<limit)',
           r'\1<mimic joint="waist_yaw" offset="much"/>'),
          r"joint left_knee, <mimic>: offset is 'much'; must be a number"),
+        ((r"</robot>", '<transmission name="t"><joint name="waist_yaw"/><actuator>'
+          '<drake:rotor_inertia value="x"/></actuator></transmission></robot>'),
+         r"transmission t, <drake:rotor_inertia>: value is 'x'; must be a number"),
         ((r'mu_static value="0.6"', 'mu_static value="nan"'),
          r"link \w+, <drake:mu_static>: value is 'nan'; must be a number, finite"),
         ((r'(<axis xyz=")0 1 0"', r'\g<1>0 up 0"'),

@@ -71,6 +71,17 @@ def test_a_foot_that_is_too_light_without_its_motors_gets_their_inertia(imported
         1.2e-4 * robot.mass * robot.com_height**2, rel=0.02
     )
     assert "rotor_inertia" not in imported()[0].urdf.read_text()
+    # What a file says of its rotors counts, and the rest is added.
+    for given, total in ((1e-5, M[at, at]), (1e-3, 0.1)):
+        motor = (
+            r"</robot>",
+            '<transmission><joint name="left_ankle_roll"/><actuator name="m">'
+            f'<drake:rotor_inertia value="{given}"/><drake:gear_ratio value="-10"/>'
+            "</actuator></transmission></robot>",
+        )
+        plant = imported(light, motor)[0].plant
+        M_given = plant.CalcMassMatrix(plant.CreateDefaultContext())
+        assert M_given[at, at] == pytest.approx(total, rel=0.02)
 
 
 def test_a_joint_with_hardly_any_range_does_not_forbid_the_pose(imported):
