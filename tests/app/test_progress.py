@@ -61,6 +61,7 @@ HOSTILE = "a\x1b[31m\x9b31m\u202e\u2066\u2028\x07\r\nWrote b"
         lambda _: main(["demo", "--seed", HOSTILE]),
     ],
 )
+@pytest.mark.usefixtures("restored_loggers")
 def test_text_from_elsewhere_is_printable(put, capsys):
     stream = Terminal()
     with suppress(SystemExit):
