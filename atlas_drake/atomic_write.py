@@ -1,4 +1,4 @@
-"""Files that get their name only when they are complete."""
+"""Files: what can be read and written, and names only for what is complete."""
 
 from __future__ import annotations
 
@@ -8,6 +8,21 @@ import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+
+def why_not_readable(path: Path) -> str | None:
+    """Returns the reason why ``path`` is no file to read, or None.
+
+    A pipe or a device is none: its end may never come.
+    """
+    try:
+        if path.is_file():
+            return None
+        if path.is_dir():
+            return "is a folder"
+        return "is no regular file" if path.exists() else "there is no such file"
+    except (OSError, ValueError) as error:  # A name too long, or with a NUL.
+        return getattr(error, "strerror", None) or str(error)
 
 
 def why_not_writable(path: Path) -> str | None:

@@ -34,6 +34,7 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 
 
@@ -428,6 +429,8 @@ def read_yaml(text: str) -> Any:
 def read_file(path: str | Path) -> str:
     """Reads a text file."""
     try:
+        if problem := why_not_readable(Path(path)):
+            raise OSError(problem)
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError("file", str(path), f"cannot be read: {error}") from None

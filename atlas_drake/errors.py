@@ -130,6 +130,21 @@ def shown(value: object) -> str:
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
 
 
+def printable(text: str) -> str:
+    """Returns a text in one line of printable characters, the others escaped.
+
+    Text of a file from elsewhere may hold control characters, which a terminal obeys,
+    line breaks, and marks that turn the direction of reading.
+
+    Args:
+        text: The text.
+    """
+    return "".join(
+        one if one.isprintable() else one.encode("unicode_escape").decode()
+        for one in text
+    )
+
+
 def described(value: object) -> str:
     """Returns the text of a number or a word, and of other values their type."""
     plain = value is None or isinstance(value, int | float | complex | str)

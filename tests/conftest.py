@@ -72,7 +72,8 @@ def load_or_skip():
 @pytest.fixture
 def restored_loggers():
     """Loggers after the test as before it: the command line sets them up."""
-    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
+    names = ("atlas_drake", "drake", "trimesh", "yourdfpy")
+    loggers = [logging.getLogger(name) for name in names]
     before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
     yield
     for log, (propagate, level, filters) in zip(loggers, before, strict=True):

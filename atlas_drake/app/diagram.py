@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from atlas_drake.app import exit_status
+from atlas_drake.app.progress import StatusLine
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.errors import AtlasError
 from atlas_drake.robot import load_robot
@@ -44,5 +45,5 @@ def show_diagram(options: argparse.Namespace) -> int:
         raise AtlasError(f"{path}: cannot be written: {error.strerror}") from error
     except subprocess.CalledProcessError as error:
         raise AtlasError(f"{path}: {error.stderr.strip()}") from error
-    sys.stdout.write(f"Wrote {path}.\n")
+    StatusLine(sys.stdout).say(f"Wrote {path}.")
     return exit_status.OK

@@ -16,7 +16,7 @@ from typing import Any
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.outputs import keep, quiet_logs, shown_of_log
+from atlas_drake.app.outputs import keep, quiet_logs, read_saying, shown_of_log
 from atlas_drake.app.progress import StatusLine
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import Log, LogError, read_log
@@ -39,7 +39,8 @@ def film_log(options: argparse.Namespace) -> int:
         view.check()
     quiet_logs()
     progress = StatusLine(sys.stdout)
-    log = read_log(options.log)
+    log = read_saying(options.log, progress)
+    _ = log.robot  # Without it the log is at fault, and no film is lost.
     show = shown_of_log(options.show, log, progress)
     return _film(log, path, progress, size=options.size, show=show, view=view)
 

@@ -24,6 +24,7 @@ from atlas_drake.app.outputs import (
     keep_recording,
     open_view,
     quiet_logs,
+    read_saying,
     realtime_rate,
     shown_of_log,
     wants_cockpit,
@@ -43,15 +44,16 @@ TABLES = (".parquet", ".csv", ".npz")
 
 def plot_log(options: argparse.Namespace) -> int:
     """Draws the figures of a log, or lists its columns; returns the exit status."""
+    progress = StatusLine(sys.stdout)
     if options.channels == "":
         log = read_log(options.log)
-        names = [f"{name} [{unit or '-'}]" for name, unit in log.units.items()]
-        sys.stdout.write("\n".join([*names, ""]))
+        for name, unit in log.units.items():
+            progress.say(f"{name} [{unit or '-'}]")
         return exit_status.OK
     with _needs_extra("plot"):
         from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page
     file = _output(options, SUFFIXES)
-    log = _read(options.log)
+    log = read_saying(options.log, progress)
     if options.channels is None:
         figure = draw_page(log)
     else:
@@ -63,7 +65,7 @@ def export_log(options: argparse.Namespace) -> int:
     """Writes the columns of a log as a table; returns the exit status."""
     file = _output(options, TABLES)
     with _needs_extra("export"):
-        log = _read(options.log)
+        log = read_saying(options.log, StatusLine(sys.stdout))
         if file.suffix == ".npz":
             return _write(file, log.to_npz)
         table = log.to_pandas()
@@ -111,12 +113,15 @@ def replay_log(options: argparse.Namespace) -> int:
     if options.record is None and wants_cockpit(options):
         from atlas_drake.app.teleop import play_in_cockpit
 
-        beside = None if options.beside is None else _read(options.beside)
-        return play_in_cockpit(_read(options.log), beside, options)
+        progress, beside = StatusLine(sys.stdout), None
+        if options.beside is not None:
+            beside = read_saying(options.beside, progress)
+        log = read_saying(options.log, progress)
+        return play_in_cockpit(log, beside, options)
     if options.beside is not None:
         raise LogError("--beside needs the cockpit, which shows two logs at a time")
     quiet_logs()
-    log = _read(options.log)
+    log = read_saying(options.log, StatusLine(sys.stdout))
     begin, end = float(log.time[0]), float(log.time[-1])
     progress = Progress(sys.stdout, end)
     meshcat = open_view(options, progress)
@@ -167,8 +172,3 @@ def _play(
             row = min(int(log.time.searchsorted(now)), len(log) - 1)
             progress.update(now, log.behavior(int(log["behavior.current"][row])).name)
         return asked_to_stop.is_set()
-
-
-def _read(path: Path) -> Log:
-    StatusLine(sys.stdout).say(f"Reading {path} ...")
-    return read_log(path)

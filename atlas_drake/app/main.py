@@ -27,7 +27,8 @@ from atlas_drake.app.options import (
     size,
 )
 from atlas_drake.app.sweep_options import add_sweep_commands
-from atlas_drake.errors import AtlasError
+from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.errors import AtlasError, printable
 from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = run(options)
         return status
     except AtlasError as error:
-        print(f"atlas-drake: error: {error}", file=sys.stderr)
+        print(f"atlas-drake: error: {printable(str(error))}", file=sys.stderr)
         return exit_status.BAD_INPUT
     except KeyboardInterrupt:
         return exit_status.INTERRUPTED
@@ -66,7 +67,8 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Ends the process."""
-        self.exit(2, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        told = f"{self.prog}: error: {printable(message)} (see {self.prog} --help)\n"
+        self.exit(exit_status.BAD_INPUT, told)
 
 
 def _parsed(given: Sequence[str]) -> argparse.Namespace:
@@ -75,14 +77,10 @@ def _parsed(given: Sequence[str]) -> argparse.Namespace:
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
-    """Checks that input files exist, before Drake loads, which takes seconds."""
+    """Checks that inputs are files, before Drake loads, which takes seconds."""
     for path in [getattr(options, name, None) for name in options.reads]:
-        try:
-            missing = path is not None and not path.exists()
-        except OSError as error:  # A name too long, for instance.
-            raise AtlasError(f"{path}: {error.strerror}") from error
-        if missing:
-            raise AtlasError(f"{path}: there is no such file")
+        if path is not None and (problem := why_not_readable(path)):
+            raise AtlasError(f"{path}: {problem}")
 
 
 def _parser() -> _Parser:

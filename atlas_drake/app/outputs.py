@@ -17,7 +17,7 @@ from pydrake.geometry import Meshcat
 from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.errors import AtlasError, ScenarioError
-from atlas_drake.logs import Log
+from atlas_drake.logs import Log, read_log
 from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
@@ -195,6 +195,15 @@ def keep_recording(
     )
 
 
+def read_saying(path: Path, progress: StatusLine) -> Log:
+    """Reads a log, and says what is damaged in its header."""
+    progress.say(f"Reading {path} ...")
+    log = read_log(path)
+    for fault in log.header.faults():
+        progress.say(f"! {fault}")
+    return log
+
+
 def shown_of_log(names: Iterable[str], log: Log, progress: StatusLine) -> list[str]:
     """Returns the overlays that a log can show, and tells the user about the others."""
     logged = logged_overlays(log.scenario.log)
@@ -216,3 +225,6 @@ def quiet_logs() -> None:
     ours.addHandler(logging.NullHandler())
     # The address of the 3D view is printed separately.
     logging.getLogger("drake").setLevel(logging.WARNING)
+    # An import says itself what it leaves out, in names that can be printed.
+    for name in ("trimesh", "yourdfpy"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)

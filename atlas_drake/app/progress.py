@@ -14,6 +14,7 @@ from collections import deque
 from datetime import timedelta
 from typing import TextIO
 
+from atlas_drake.errors import printable
 from atlas_drake.messages.event import PUSH, Event
 
 REPEAT = 5.0
@@ -41,14 +42,19 @@ class StatusLine:
     def say(self, line: str) -> None:
         """Prints a line that stays."""
         self.clear()
-        self._put(line + "\n")
+        self._put(printable(line) + "\n")
+
+    def say_lines(self, text: str) -> None:
+        """Prints a text of several lines."""
+        for line in text.split("\n"):
+            self.say(line)
 
     def show(self, text: str) -> None:
         """Says how far it is."""
         now = time.perf_counter()
         if self._live:
             # A line that is wider than the terminal could not be rewritten.
-            text = text[: shutil.get_terminal_size().columns - 1]
+            text = printable(text)[: shutil.get_terminal_size().columns - 1]
             self._put("\r" + text.ljust(self._shown))
             self._shown = len(text)
         elif now - self._last_line >= REPEAT:

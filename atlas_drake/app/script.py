@@ -68,7 +68,7 @@ def _simulate(
     end = math.inf if duration is None else duration
     with redirect_stdout(output):
         try:
-            problem = program.run(sim, ended, end, progress.say, complain)
+            problem = program.run(sim, ended, end, progress.say_lines, complain)
             if problem is None and duration is not None:
                 problem = program.finish()
         except KeyboardInterrupt:

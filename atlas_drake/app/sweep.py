@@ -114,7 +114,7 @@ def show_comparison(options: argparse.Namespace) -> int:
         read_campaign(folder)
     first, second = map(read_records, folders)
     text = compare(first, second, (str(options.first), str(options.second)))
-    StatusLine(sys.stdout).say(text)
+    StatusLine(sys.stdout).say_lines(text)
     return exit_status.OK
 
 
@@ -138,7 +138,7 @@ def _campaign(options: argparse.Namespace) -> Campaign:
 def _show(out: Path, progress: StatusLine) -> None:
     with nothing_cut_off():
         text, written = write_results(out)
-    progress.say(text)
+    progress.say_lines(text)
     progress.say(f"Wrote {', '.join(str(path) for path in written)}.")
 
 

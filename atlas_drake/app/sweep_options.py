@@ -90,4 +90,4 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
     )
     parser.add_argument("first", metavar="DIR_A", type=Path)
     parser.add_argument("second", metavar="DIR_B", type=Path)
-    parser.set_defaults(run="sweep.show_comparison", reads=("first", "second"))
+    parser.set_defaults(run="sweep.show_comparison", reads=())

@@ -24,6 +24,7 @@ from atlas_drake.campaigns.table import (
     share_interval,
     table_of,
 )
+from atlas_drake.errors import printable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +62,7 @@ def write_results(folder: Path) -> tuple[str, list[Path]]:
 def report(campaign: Campaign, records: Records) -> str:
     """Returns the report as Markdown, without figures."""
     frame = table_of(records)
-    parts = [f"# {campaign.name}: {len(records)} trials"]
+    parts = [f"# {printable(campaign.name)}: {len(records)} trials"]
     if campaign.threshold is not None:
         parts.append(_thresholds(campaign, records))
     if records:
@@ -85,7 +86,8 @@ def share_text(successes: int, trials: int) -> str:
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Returns a table in Markdown; without rows, an empty text."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines[2:] and lines)
+    cells = [" | ".join(map(printable, line)) for line in lines[2:] and lines]
+    return "\n".join(f"| {line} |" for line in cells)
 
 
 def _successes(campaign: Campaign, frame: pd.DataFrame) -> str:
@@ -172,7 +174,9 @@ def _missed(campaign: Campaign, frame: pd.DataFrame) -> str:
             name = figure_of(text)
             known = FIGURES + name in frame
             unknown = "" if known else f"; no trial has a figure `{name}`"
-            lines.append(f"- `{text}` missed in {count} of {len(frame)}{unknown}")
+            lines.append(
+                f"- `{printable(text)}` missed in {count} of {len(frame)}{unknown}"
+            )
     return "\n".join(lines)
 
 
@@ -188,5 +192,7 @@ def _failed(frame: pd.DataFrame) -> str:
     last = raised["error"].map(lambda error: error.strip().splitlines()[-1])
     for text, trials in list(raised["trial"].groupby(last, sort=False))[:SHOWN_ERRORS]:
         first = trials.iloc[0]
-        lines.append(f"Raised in {len(trials)}, first in trial {first}: {text}")
+        lines.append(
+            f"Raised in {len(trials)}, first in trial {first}: {printable(text)}"
+        )
     return "\n\n".join(lines)

@@ -14,10 +14,10 @@ from typing import Any, Self
 
 from pydrake.common.yaml import yaml_dump
 
-from atlas_drake.atomic_write import atomic_write
+from atlas_drake.atomic_write import atomic_write, why_not_readable
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import Record, Records
-from atlas_drake.config import as_plain, checked, read_yaml
+from atlas_drake.config import as_plain, checked, read_file, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario.differences import flat
 
@@ -31,7 +31,7 @@ def read_campaign(folder: Path) -> Campaign:
     """Reads the campaign of a folder."""
     file = folder / CAMPAIGN
     try:
-        fields = read_yaml(file.read_text(encoding="utf-8"))
+        fields = read_yaml(read_file(file))
     except Exception as error:  # The parser raises many kinds of exception.
         problem = f"{folder} holds no campaign: {error}"
         raise ScenarioError("folder", str(folder), problem) from error
@@ -45,7 +45,7 @@ def read_campaign(folder: Path) -> Campaign:
 def read_records(folder: Path) -> Records:
     """Reads the records of a folder, also while a campaign writes them."""
     file = folder / TRIALS
-    text = file.read_bytes() if file.exists() else b""
+    text = file.read_bytes() if why_not_readable(file) is None else b""
     records = {}
     # What follows the last line end is of a record that is being written.
     for number, line in enumerate(text.split(b"\n")[:-1], start=1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,11 @@ import numpy as np
 import yaml
 from pydrake.math import RotationMatrix
 
+from atlas_drake.errors import printable
 from atlas_drake.importing.anatomy import Anatomy
+from atlas_drake.importing.elements import DRAKE, GEAR_RATIO, ROTOR_INERTIA
 from atlas_drake.importing.findings import LOST, Findings, ImportRefused
+from atlas_drake.importing.geometry import Geometry
 from atlas_drake.importing.meshes import (
     MeshLibrary,
     vertices_of,
@@ -34,7 +38,6 @@ edited."""
 SOLES = ("l_sole_frame", "r_sole_frame")
 UPRIGHT = "chest_upright_frame"
 """Frame of the chest, parallel to the pelvis with all joints at zero."""
-DRAKE = "http://drake.mit.edu"
 CONTACT_RADIUS = 0.005
 """Radius of the balls at the corners of each sole [m]."""
 
@@ -68,9 +71,9 @@ def write_urdf(
         if body not in anatomy.feet:
             flat += _add_hulls(element, name, link, meshes, folder)
         elif name == body:
-            _add_corners(element, soles, anatomy.feet.index(body))
+            _add_corners(element, link, soles, anatomy.feet.index(body))
     for joint in tree.joints.values():
-        _add_joint(root, joint)
+        _add_joint(root, joint, tree.rotors.get(joint.name, {}))
     for name, foot, X_FS in zip(SOLES, anatomy.feet, soles.poses, strict=True):
         _add_frame(root, name, foot, X_FS)
     X = tree.poses()
@@ -119,9 +122,9 @@ def _add_visuals(
         inside = etree.SubElement(element, "visual")
         _add_origin(inside, shape.origin)
         color = tree.color(shape.material)
-        if shape.geometry.mesh is not None:
+        if shape.geometry.is_mesh:
             file = f"{MESHES}/{_file_name(name)}_{number}.gltf"
-            is_plain = shape.geometry.mesh.filename.lower().endswith(".stl")
+            is_plain = shape.geometry.file.lower().endswith(".stl")
             write_visible(seen, folder / file, color if is_plain else None)
             _add_mesh(inside, file)
             continue
@@ -141,7 +144,7 @@ def _add_hulls(
         if not felt:
             continue
         file = f"{MESHES}/{_file_name(name)}_{number}.obj"
-        is_mesh = shape.geometry.mesh is not None
+        is_mesh = shape.geometry.is_mesh
         if is_mesh and not write_hull(vertices_of(felt, np.eye(4)), folder / file):
             flat.append(name)
             continue
@@ -152,11 +155,13 @@ def _add_hulls(
             etree.SubElement(mesh, f"{{{DRAKE}}}declare_convex")
         else:
             _add_primitive(inside, shape.geometry)
+        _add_properties(inside, shape.geometry)
     return flat
 
 
-def _add_corners(element: Any, soles: Soles, foot: int) -> None:
-    """Adds a ball to each corner of a sole."""
+def _add_corners(element: Any, link: Any, soles: Soles, foot: int) -> None:
+    """Adds a ball to each corner of a sole, with properties of the foot's shapes."""
+    shapes = [shape.geometry for shape in link.collisions if shape.geometry.properties]
     for x in (-0.5, 0.5):
         for y in (-0.5, 0.5):
             corner = np.eye(4)
@@ -165,6 +170,13 @@ def _add_corners(element: Any, soles: Soles, foot: int) -> None:
             _add_origin(inside, soles.poses[foot] @ corner)
             geometry = etree.SubElement(inside, "geometry")
             etree.SubElement(geometry, "sphere", radius=_text(CONTACT_RADIUS))
+            for shape in shapes[:1]:
+                _add_properties(inside, shape)
+
+
+def _add_properties(inside: Any, shape: Geometry) -> None:
+    for properties in shape.properties:
+        inside.append(copy.deepcopy(properties))
 
 
 def _add_mesh(inside: Any, file: str) -> Any:
@@ -172,19 +184,12 @@ def _add_mesh(inside: Any, file: str) -> Any:
     return etree.SubElement(geometry, "mesh", filename=file)
 
 
-def _add_primitive(inside: Any, shape: Any) -> None:
-    geometry = etree.SubElement(inside, "geometry")
-    if shape.box is not None:
-        etree.SubElement(geometry, "box", size=_text(*shape.box.size))
-    elif shape.sphere is not None:
-        etree.SubElement(geometry, "sphere", radius=_text(shape.sphere.radius))
-    else:
-        drum = shape.cylinder
-        size = {"radius": _text(drum.radius), "length": _text(drum.length)}
-        etree.SubElement(geometry, "cylinder", **size)
+def _add_primitive(inside: Any, shape: Geometry) -> None:
+    sizes = {name: _text(*values) for name, values in shape.numbers.items()}
+    etree.SubElement(etree.SubElement(inside, "geometry"), shape.tag, **sizes)
 
 
-def _add_joint(root: Any, joint: Any) -> None:
+def _add_joint(root: Any, joint: Any, rotor: Mapping[str, float]) -> None:
     element = etree.SubElement(root, "joint", name=joint.name, type=joint.type)
     etree.SubElement(element, "parent", link=joint.parent)
     etree.SubElement(element, "child", link=joint.child)
@@ -208,18 +213,25 @@ def _add_joint(root: Any, joint: Any) -> None:
     kind = etree.SubElement(transmission, "type")
     kind.text = "transmission_interface/SimpleTransmission"
     etree.SubElement(transmission, "joint", name=joint.name)
-    etree.SubElement(transmission, "actuator", name=joint.name)
+    actuator = etree.SubElement(transmission, "actuator", name=joint.name)
+    for tag, value in rotor.items():
+        etree.SubElement(actuator, tag, value=_text(value))
 
 
 def add_rotors(urdf: Path, inertias: Mapping[str, float]) -> None:
-    """Adds rotor inertias to the motors of a URDF, at the joints [kg·m²]."""
+    """Adds rotor inertias to those of the motors of a URDF, at the joints [kg·m²]."""
     tree = etree.parse(str(urdf), etree.XMLParser(remove_blank_text=True))
     for transmission in tree.iterfind("transmission"):
         actuator = transmission.find("actuator")
         inertia = inertias.get(actuator.get("name"))
         if inertia is not None:
-            for name, value in (("rotor_inertia", inertia), ("gear_ratio", 1.0)):
-                etree.SubElement(actuator, f"{{{DRAKE}}}{name}", value=_text(value))
+            given = {one.tag: float(one.get("value")) for one in actuator}
+            ratio = given.get(GEAR_RATIO) or 1.0
+            rotor = given.get(ROTOR_INERTIA, 0.0) + inertia / ratio**2
+            for one in list(actuator):
+                actuator.remove(one)
+            for tag, value in ((ROTOR_INERTIA, rotor), (GEAR_RATIO, ratio)):
+                etree.SubElement(actuator, tag, value=_text(value))
     tree.write(str(urdf), pretty_print=True, xml_declaration=True, encoding="utf-8")
 
 
@@ -248,9 +260,9 @@ def write_yaml(
     """Writes the robot's YAML file, one line per joint, for people to edit."""
     length, width = file.sole.length, file.sole.width
     lines = [
-        f"# Imported from {_line(source)}. Edit it freely: another import keeps it as "
-        f"{KEPT}.",
-        *(f"# {_line(note)}" for note in notes),
+        f"# Imported from {printable(source)}. Edit it freely: another import keeps it "
+        f"as {KEPT}.",
+        *(f"# {note}" for note in notes),
         f"urdf: {file.urdf}",
         f"pelvis: {_name(file.pelvis)}",
         f"chest: {file.chest} # The chest, parallel to the pelvis.",
@@ -289,11 +301,6 @@ def _name(text: str) -> str:
     """Returns a name as YAML reads it back."""
     plain = re.fullmatch(r"[A-Za-z_][\w./-]*", text) and yaml.safe_load(text) == text
     return text if plain else json.dumps(text, ensure_ascii=not text.isprintable())
-
-
-def _line(text: str) -> str:
-    """Returns a text without line breaks and what else cannot be printed."""
-    return "".join(one if one.isprintable() else " " for one in text)
 
 
 def _file_name(link: str) -> str:

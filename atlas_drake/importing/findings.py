@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, printable
 
 FOUND, GUESSED, REPAIRED, LOST = "found", "guessed", "repaired", "left out"
 _SHOWN = 6
@@ -31,6 +31,7 @@ class Findings:
         """Adds a finding of one of the kinds above, about links or joints by name."""
         if names:
             text = f"{text}: {listed(names)}"
+        text = printable(text)
         self.lines.append((kind, text))
         self.say(f"{kind:>9}  {text}")
 

@@ -36,6 +36,7 @@ from atlas_drake.importing.meshes import MeshLibrary
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.overlaps import Shapes, clear_arms, overlapping
 from atlas_drake.importing.repairs import (
+    drop_shapes,
     drop_virtual_root,
     fix_joints,
     repair_limits,
@@ -103,6 +104,7 @@ def _make(
     tree = Tree(source)
     meshes = MeshLibrary(partial(resolve, urdf=source, packages=options.packages))
     drop_virtual_root(tree, findings)
+    drop_shapes(tree, findings)
     fix_joints(tree, options.fixed, findings)
     anatomy = find_anatomy(tree, options, findings)
     repair_limits(tree, findings)

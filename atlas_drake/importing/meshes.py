@@ -5,6 +5,7 @@ Reading, hulls, simplification and writing are trimesh's.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -12,12 +13,24 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from PIL.Image import Resampling
+from trimesh.resolvers import FilePathResolver
 from trimesh.visual.material import PBRMaterial
+
+from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.importing.geometry import Geometry
 
 MOST_FACES = 6000
 """Faces from which a visible shape is simplified: the browser loads it at once."""
 MOST_HULL_POINTS = 64
 """Vertices from which a convex hull is simplified: contacts are computed faster."""
+ENDINGS = (".stl", ".obj", ".dae", ".gltf", ".glb", ".ply")
+"""Endings of files that are read as meshes."""
+LARGEST = 50_000_000
+"""Size of the largest file that is read [byte]: the largest mesh of the robots in
+packages has 29 MB."""
+MOST_ELEMENTS = 10_000_000
+"""Largest number of vertices, normals and the like of a glTF file."""
 _TO_Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
 """glTF files have y up, and are turned back by whoever reads them."""
 _ROUGHNESS = 0.8
@@ -41,26 +54,20 @@ class MeshLibrary:
         self._known: dict[Path, Shape] = {}
         self.lost: dict[str, str] = {}
 
-    def shape(self, geometry: Any) -> Shape:
+    def shape(self, geometry: Geometry) -> Shape:
         """Returns the meshes of a geometry in its frame; none if it cannot be read."""
-        if geometry.box is not None:
-            return [trimesh.creation.box(extents=geometry.box.size)]
-        if geometry.sphere is not None:
-            return [trimesh.creation.icosphere(2, radius=geometry.sphere.radius)]
-        if geometry.cylinder is not None:
-            drum = geometry.cylinder
-            return [trimesh.creation.cylinder(drum.radius, drum.length, sections=24)]
-        mesh = geometry.mesh
+        if not geometry.is_mesh:
+            return [_primitive(geometry)]
+        scale = geometry.numbers.get("scale", (1.0,))
         try:
-            path = self._resolve(mesh.filename)
-            if path not in self._known:
-                self._known[path] = _read(path)
+            path = self._resolve(geometry.file)
+            with np.errstate(all="ignore"):  # What overflows is not finite.
+                if path not in self._known:
+                    self._known[path] = _read(path)
+                return _scaled(self._known[path], scale)
         except Exception as error:  # trimesh raises whatever its readers raise.
-            self.lost[mesh.filename] = " ".join(str(error).split())
+            self.lost[geometry.file] = " ".join(str(error).split())
             return []
-        scale = np.ones(3) if mesh.scale is None else np.asarray(mesh.scale, float)
-        X = np.diag([*np.broadcast_to(scale, 3), 1.0])
-        return [one.copy().apply_transform(X) for one in self._known[path]]
 
     def vertices(self, shapes: Iterable[Any], X: np.ndarray) -> np.ndarray:
         """Returns the vertices of shapes' convex hulls, moved by X, shape (n, 3)."""
@@ -72,8 +79,32 @@ class MeshLibrary:
         return np.concatenate(points)
 
 
+def _primitive(geometry: Geometry) -> Any:
+    """Returns the triangle mesh of a shape that is no mesh."""
+    size = geometry.size
+    if geometry.kind == "box":
+        return trimesh.creation.box(extents=geometry.numbers["size"])
+    if geometry.kind == "sphere":
+        return trimesh.creation.icosphere(2, radius=size("radius"))
+    if geometry.kind == "ellipsoid":
+        X = np.diag([size("a"), size("b"), size("c"), 1.0])
+        return trimesh.creation.icosphere(2).apply_transform(X)
+    if geometry.kind == "capsule":
+        return trimesh.creation.capsule(size("length"), size("radius"), count=(24, 24))
+    return trimesh.creation.cylinder(size("radius"), size("length"), sections=24)
+
+
+def _scaled(shape: Shape, scale: Sequence[float]) -> Shape:
+    X = np.diag([*np.broadcast_to(scale, 3), 1.0])
+    parts = [one.copy().apply_transform(X) for one in shape]
+    if not all(np.isfinite(one.vertices).all() for one in parts):
+        raise ValueError("it has vertices that are not finite")
+    return parts
+
+
 def _read(path: Path) -> Shape:
-    scene = trimesh.load_scene(path)
+    _check_file(path)
+    scene = trimesh.load_scene(path, resolver=_Beside(path))
     parts = [one for one in scene.dump() if len(getattr(one, "faces", ()))]
     if not parts:
         raise ValueError(f"{path} has no triangles")
@@ -91,6 +122,49 @@ def _read(path: Path) -> Shape:
     return parts
 
 
+class _Beside(FilePathResolver):
+    """Finds what a mesh names, such as colors: files of its folder, not too large."""
+
+    def get(self, name: str) -> bytes:
+        """Returns the content of a file."""
+        folder = Path(self.parent).resolve()
+        path = (folder / name.strip()).resolve()
+        if not path.is_relative_to(folder):
+            raise FileNotFoundError(f"{path}: is not in the folder of the mesh")
+        if problem := why_not_readable(path):
+            raise FileNotFoundError(f"{path}: {problem}")
+        _check_size(path)
+        return path.read_bytes()
+
+
+def _check_file(path: Path) -> None:
+    """Refuses, unread, what is no mesh: an archive may unpack to any size."""
+    if path.suffix.lower() not in ENDINGS:
+        raise ValueError(f"{path} is no mesh: must end in one of {', '.join(ENDINGS)}")
+    _check_size(path)
+    if path.suffix.lower() in (".gltf", ".glb"):
+        _check_gltf(path)
+
+
+def _check_gltf(path: Path) -> None:
+    """Refuses a small file with any number of elements: without data they are 0."""
+    data = path.read_bytes()
+    if data.startswith(b"glTF"):  # The binary form begins with the length of its JSON.
+        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]
+    count = sum(int(one["count"]) for one in json.loads(data).get("accessors", ()))
+    if count > MOST_ELEMENTS:
+        rule = f"must have at most {MOST_ELEMENTS}"
+        raise ValueError(f"{path} has {count} elements; {rule}")
+
+
+def _check_size(path: Path) -> None:
+    size = path.stat().st_size
+    if size > LARGEST:
+        raise ValueError(
+            f"{path} has {size / 1e6:.0f} MB; must have at most {LARGEST / 1e6:.0f}"
+        )
+
+
 def _color(visual: Any) -> np.ndarray:
     """Returns the color of a mesh, of a texture its mean."""
     material = getattr(visual, "material", None)
@@ -98,7 +172,7 @@ def _color(visual: Any) -> np.ndarray:
         material, "baseColorTexture", None
     )
     if image is not None:
-        mean = np.asarray(image.convert("RGB"), dtype=float).mean(axis=(0, 1))
+        mean = image.convert("RGB").resize((1, 1), Resampling.BOX).getpixel((0, 0))
         return np.array([*mean, 255], dtype=np.uint8)
     color = getattr(material or visual, "main_color", None)
     return _PLAIN if color is None else np.asarray(color, dtype=np.uint8)

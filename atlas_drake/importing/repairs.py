@@ -61,6 +61,19 @@ def drop_virtual_root(tree: Tree, findings: Findings) -> None:
         )
 
 
+def drop_shapes(tree: Tree, findings: Findings) -> None:
+    """Takes away shapes of which one size is 0: Drake has none of them."""
+    dropped: dict[str, None] = {}
+    for link in tree.links.values():
+        for shapes in (link.visuals, link.collisions):
+            kept = [shape for shape in shapes if shape.geometry.has_size]
+            if len(kept) < len(shapes):
+                dropped[link.name] = None
+                shapes[:] = kept
+    if dropped:
+        findings.add(LOST, "shapes with a size of 0", [*dropped])
+
+
 def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
     """Makes joints fixed that have no motor of their own, and those of the user."""
     reasons: dict[str, list[str]] = {}

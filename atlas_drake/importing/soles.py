@@ -59,38 +59,14 @@ def find_soles(
         place = np.array([ahead, 0.0, -above])
         poses = [_upright(X[foot], X[foot][:3, 3] + place) for foot in anatomy.feet]
         return Soles(length, width, (poses[0], poses[1]))
-    found, filled = [], 1.0
-    for foot in anatomy.feet:
-        points, kind = _points(tree, foot, X, meshes)
-        if not len(points):
-            lost = "".join(f" ({why})" for why in list(meshes.lost.values())[:1])
-            told = "--sole LENGTH WIDTH HEIGHT_OF_ANKLE AHEAD"
-            raise ImportRefused(
-                f"link {foot}: has no shape that tells where its sole is{lost}; say "
-                f"so: {told}"
-            )
-        length = float(np.ptp(points[:, 0]))
-        low = points[points[:, 2] < points[:, 2].min() + DEPTH * length]
-        least, most = low.min(axis=0), low.max(axis=0)
-        size = most - least
-        share = _area(low[:, :2]) / max(size[0] * size[1], 1e-9)
-        if size[0] < LEAST_LENGTH or size[1] < LEAST_WIDTH or share < LEAST_SHARE:
-            raise ImportRefused(
-                f"link {foot}: its sole would be {size[0]:.3f} m long and "
-                f"{size[1]:.3f} m wide, a point; say otherwise: --sole, or make the "
-                "root's frame level"
-            )
-        found.append((foot, least, most, kind))
-        filled = min(filled, share)
-    length, width = (
-        min(float(most[axis] - least[axis]) for _, least, most, _ in found)
-        for axis in (0, 1)
-    )
+    found = [_sole(tree, foot, X, meshes) for foot in anatomy.feet]
+    length, width = (min(float(sole.size[axis]) for sole in found) for axis in (0, 1))
     poses = [
-        _upright(X[foot], [*(0.5 * (least + most))[:2], least[2]])
-        for foot, least, most, _ in found
+        _upright(X[foot], [*(0.5 * (sole.least + sole.most))[:2], sole.least[2]])
+        for foot, sole in zip(anatomy.feet, found, strict=True)
     ]
-    kind = found[0][-1]
+    kind = "collision" if all(sole.kind == "collision" for sole in found) else "visual"
+    filled = min(sole.share for sole in found)
     text = f"soles {length:.3f} m long and {width:.3f} m wide, from the {kind} shapes"
     if filled < FILLED:
         text += f", which fill {filled:.0%} of these rectangles"
@@ -98,27 +74,79 @@ def find_soles(
     return Soles(length, width, (poses[0], poses[1]))
 
 
-def _points(
+@dataclass(frozen=True)
+class _Sole:
+    """The lowest part of a foot's shapes of one kind, in the root's frame."""
+
+    kind: str
+    least: np.ndarray
+    most: np.ndarray
+    share: float
+    """Share of its rectangle that it fills [-]."""
+
+    @property
+    def size(self) -> np.ndarray:
+        """Length and width [m]."""
+        return (self.most - self.least)[:2]
+
+    @property
+    def is_one(self) -> bool:
+        """False for a point or a line, as of shapes that are not all there."""
+        length, width = self.size
+        long, wide = length >= LEAST_LENGTH, width >= LEAST_WIDTH
+        return bool(long and wide and self.share >= LEAST_SHARE)
+
+
+def _sole(
     tree: Tree, foot: str, X: dict[str, np.ndarray], meshes: MeshLibrary
-) -> tuple[np.ndarray, str]:
-    """Returns the vertices of a foot's shapes in the root's frame, and their kind.
+) -> _Sole:
+    """Finds the sole of a foot by its collision shapes, or else its visible ones."""
+    seen = [
+        _lowest(kind, points)
+        for kind in ("collision", "visual")
+        if len(points := _points(tree, foot, kind, X, meshes))
+    ]
+    for sole in seen:
+        if sole.is_one:
+            return sole
+    lost = "".join(f" ({why})" for why in list(meshes.lost.values())[:1])
+    if not seen:
+        raise ImportRefused(
+            f"link {foot}: has no shape that tells where its sole is{lost}; say so: "
+            "--sole LENGTH WIDTH HEIGHT_OF_ANKLE AHEAD"
+        )
+    length, width = seen[0].size
+    raise ImportRefused(
+        f"link {foot}: its sole would be {length:.3f} m long and {width:.3f} m wide, a "
+        f"point{lost}; say otherwise: --sole, or make the root's frame level"
+    )
+
+
+def _lowest(kind: str, points: np.ndarray) -> _Sole:
+    height = points[:, 2].min() + DEPTH * float(np.ptp(points[:, 0]))
+    low = points[points[:, 2] <= height]
+    least, most = low.min(axis=0), low.max(axis=0)
+    share = _area(low[:, :2]) / max(float(np.prod((most - least)[:2])), 1e-9)
+    return _Sole(kind, least, most, share)
+
+
+def _points(
+    tree: Tree, foot: str, kind: str, X: dict[str, np.ndarray], meshes: MeshLibrary
+) -> np.ndarray:
+    """Returns the vertices of a foot's shapes of a kind in the root's frame.
 
     A ball touches the ground at its lowest point.
     """
-    for kind in ("collision", "visual"):
-        points = [np.zeros((0, 3))]
-        for part in tree.all_below(foot):
-            for shape in getattr(tree.links[part], f"{kind}s"):
-                ball = shape.geometry.sphere
-                if ball is None:
-                    points.append(meshes.vertices([shape], X[part]))
-                else:
-                    middle = (X[part] @ shape.origin)[:3, 3]
-                    points.append(middle[None] - [0.0, 0.0, ball.radius])
-        found = np.concatenate(points)
-        if len(found):
-            return found, kind
-    return np.zeros((0, 3)), ""
+    points = [np.zeros((0, 3))]
+    for part in tree.all_below(foot):
+        for shape in getattr(tree.links[part], f"{kind}s"):
+            if shape.geometry.kind == "sphere":
+                middle = (X[part] @ shape.origin)[:3, 3]
+                radius = shape.geometry.size("radius")
+                points.append(middle[None] - [0.0, 0.0, radius])
+            else:
+                points.append(meshes.vertices([shape], X[part]))
+    return np.concatenate(points)
 
 
 def _area(points: np.ndarray) -> float:

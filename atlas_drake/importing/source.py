@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.errors import did_you_mean
 from atlas_drake.importing.findings import ImportRefused
 
@@ -27,21 +28,18 @@ USUAL = {
 def find_source(given: str) -> Path:
     """Returns the URDF file of a path or of a robot's name, absolute."""
     path = Path(os.path.expanduser(given))
-    try:
-        is_file, is_folder = path.is_file(), path.is_dir()
-    except OSError as error:  # A name too long.
-        raise ImportRefused(f"{given}: {error}") from None
-    if path.suffix and is_file:
+    problem = why_not_readable(path)
+    if path.suffix and problem is None:
         if path.suffix.lower() != ".urdf":
             raise ImportRefused(
                 f"{path}: only URDF is read; convert {path.suffix} (or xacro) to .urdf "
                 "first"
             )
         return path.absolute()
-    if is_folder:
+    if os.path.isdir(path):
         raise ImportRefused(f"{path}: is a folder; name the .urdf file in it")
     if path.suffix in (".urdf", ".xacro", ".xml", ".sdf") or path.is_absolute():
-        raise ImportRefused(f"{path}: there is no such .urdf file")
+        raise ImportRefused(f"{path}: {problem or 'is no .urdf file'}")
     known = packaged_robots()
     name = USUAL.get(given, given)
     if name in known:

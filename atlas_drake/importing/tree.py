@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,14 @@ import yourdfpy.urdf as urdf
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform
 
-from atlas_drake.importing.elements import check_elements
+from atlas_drake.importing.elements import (
+    DRAKE,
+    GEAR_RATIO,
+    ROTOR_INERTIA,
+    check_elements,
+)
 from atlas_drake.importing.findings import ImportRefused
+from atlas_drake.importing.geometry import take_geometries
 
 MOVING = ("revolute", "continuous")
 MOTIONS = (*MOVING, "prismatic")
@@ -28,22 +35,20 @@ DEEPEST = 200
 
 
 class Tree:
-    """Links and joints by name; changed by the repairs."""
+    """Links and joints by name; changed by the repairs.
+
+    Attributes:
+        links: The links.
+        joints: The joints.
+        rotors: Rotor inertia and gear ratio, as Drake's elements, by joint.
+    """
 
     def __init__(self, file: Path) -> None:
         """Reads a file."""
         try:
-            # yourdfpy reads on past faults of the XML.
-            root = etree.parse(str(file)).getroot()
-            if root.tag != "robot":
-                raise ValueError(f"its outermost element is <{root.tag}>, not <robot>")
-            check_elements(root)
-            self.urdf = urdf.URDF.load(
-                str(file),
-                build_scene_graph=False,
-                load_meshes=False,
-                load_collision_meshes=False,
-            )
+            root = _read(file)
+            self.rotors = _rotors(root)
+            self.urdf = _parsed(root)
         except ImportRefused:
             raise
         except Exception as error:  # lxml and yourdfpy raise several kinds.
@@ -229,6 +234,48 @@ class Tree:
         """Returns the mass of links [kg]."""
         inertials = [self.links[name].inertial for name in links]
         return sum(float(one.mass or 0.0) for one in inertials if one is not None)
+
+
+def _read(file: Path) -> Any:
+    """Reads and checks the elements of a file."""
+    parser = etree.XMLParser(remove_comments=True, remove_pis=True)
+    root = etree.parse(str(file), parser).getroot()
+    if root.tag != "robot":
+        raise ValueError(f"its outermost element is <{root.tag}>, not <robot>")
+    for element in root.iter(etree.Element):
+        if element.prefix == "drake":  # Drake goes by the prefix.
+            element.tag = f"{{{DRAKE}}}{etree.QName(element).localname}"
+    check_elements(root)
+    return root
+
+
+def _rotors(root: Any) -> dict[str, dict[str, float]]:
+    """Returns what is known of the rotors, by joint."""
+    return {
+        joint.get("name"): {
+            tag: float(rotor.get("value", 0.0))
+            for tag in (ROTOR_INERTIA, GEAR_RATIO)
+            for rotor in transmission.iterfind(f"actuator/{tag}")
+        }
+        for transmission in root.iterfind("transmission")
+        for joint in transmission.iterfind("joint")
+    }
+
+
+def _parsed(root: Any) -> urdf.URDF:
+    """Reads elements by yourdfpy, which reads on past faults."""
+    geometries = take_geometries(root)
+    found = urdf.URDF.load(
+        BytesIO(etree.tostring(root)),
+        build_scene_graph=False,
+        load_meshes=False,
+        load_collision_meshes=False,
+    )
+    for link, taken in zip(found.robot.links, geometries, strict=True):
+        for kind, shapes in taken.items():
+            for shown, geometry in zip(getattr(link, f"{kind}s"), shapes, strict=True):
+                shown.geometry = geometry
+    return found
 
 
 def _motion(joint: Any, at: float) -> RigidTransform:

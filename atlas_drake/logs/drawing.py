@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from atlas_drake.config import read_yaml
 from atlas_drake.logs.footprints import runs
 from atlas_drake.logs.log import Log
 from atlas_drake.messages.event import PUSH
@@ -57,7 +56,7 @@ def titled_figure(log: Log, height: float) -> Figure:
     figure, time = Figure(figsize=(WIDTH, height)), log.time
     left, top = LEFT / WIDTH, 1.0 - 0.32 / height
     # The name alone: another version may not know all of the scenario.
-    scenario = read_yaml(log.header.scenario)["name"]
+    scenario = log.header.scenario.get("name", "without a name")
     title = f"{log.path.name}: {log.header.model}, scenario {scenario}"
     figure.text(left, top, title, fontsize=14, weight="bold", va="center")
     period = 1e3 * log.header.control_period

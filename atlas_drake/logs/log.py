@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.config import read_yaml
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.header import Header, LogError
 from atlas_drake.logs.topics import STRUCTURED, part_of_message
@@ -223,8 +222,12 @@ class Log:
         """Makes a structured value once for all records that have it."""
         key = name, place
         if key not in self._made:
-            plain = part_of_message(name, self.parts[name].messages[place])
-            self._made[key] = STRUCTURED[name].read(plain)
+            try:
+                plain = part_of_message(name, self.parts[name].messages[place])
+                self._made[key] = STRUCTURED[name].read(plain)
+            except Exception as error:  # Readers raise whatever does not fit.
+                problem = f"a message on /{name} is damaged: {error!r}"
+                raise LogError(f"{self.path}: {problem}") from error
         return self._made[key]
 
     @cached_property
@@ -299,15 +302,16 @@ class Log:
             LogError: If the robot is unknown, its files are missing, or its joints have
                 changed since the run.
         """
+        model = self.header.model
         try:
-            robot = load_robot(self.header.model)
+            robot = load_robot(model)
         except RobotDescriptionError as error:
             raise LogError(
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error
         if self.schema.names[Names.JOINTS] != robot.joint_names:
             raise LogError(
-                f"{self.path}: its robot, {self.header.model}, has other joints than "
+                f"{self.path}: its robot, {model}, has other joints than "
                 "when the log was recorded; restore its file of that time"
             )
         return robot
@@ -319,8 +323,9 @@ class Log:
         Raises:
             LogError: If this version of the program cannot run the scenario.
         """
+        fields = self.header.scenario
         try:
-            return scenario_from(read_yaml(self.header.scenario))
+            return scenario_from(fields)
         except Exception as error:
             # The loader raises many kinds of exception.
             raise LogError(f"{self.path}: its scenario is unknown: {error}") from error

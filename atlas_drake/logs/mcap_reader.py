@@ -13,6 +13,7 @@ import orjson
 from mcap.records import Channel, Message, Metadata
 from mcap.stream_reader import StreamReader
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.logs.header import LogError, read_header
 from atlas_drake.logs.log import Log, LoggedEvent, Part
 from atlas_drake.logs.mcap_writer import HEADER, METADATA, check_log_path
@@ -35,6 +36,8 @@ def read_log(path: str | Path) -> Log:
     """
     path = Path(path)
     check_log_path(path)
+    if problem := why_not_readable(path):
+        raise LogError(f"{path}: {problem}")
     try:
         return _read(path)
     except OSError as error:
@@ -69,7 +72,7 @@ def _read(path: Path) -> Log:
                 raise
     if header is None:
         raise LogError("it is an MCAP file, but not of this program")
-    head, schema = read_header(header)
+    head, schema = read_header(header, path)
     # The time is the last message of a record.
     count = len(messages[TIME])
     if not count:
@@ -79,7 +82,9 @@ def _read(path: Path) -> Log:
         for name in (TIME, *schema.groups, *STRUCTURED)
     }
     rows = {name: [one.sequence for one in messages[name]] for name in plain}
-    arrays = {TIME: np.array([one[TIME] for one in plain[TIME]])}
+    arrays = {TIME: np.array([one[TIME] for one in plain[TIME]], dtype=float)}
+    if not np.isfinite(arrays[TIME]).all():
+        raise LogError(f"/{TIME}: a record has no time")
     for group in schema.groups:
         arrays |= _columns(schema, group, rows[group], plain[group], count)
     parts = {name: Part(rows[name], plain[name]) for name in STRUCTURED}
@@ -107,6 +112,10 @@ def _columns(
         given = [message[field] for message in messages]
         if column.labels:
             given = [list(one.values()) for one in given]
-        table = np.array(given, dtype=float).repeat(counts, axis=0)
+        table = np.array(given, dtype=float)
+        one = (len(column.elements),) if column.labels else ()
+        if given and table.shape[1:] != one:
+            raise LogError(f"/{group}: {field} has not the elements of its schema")
+        table = table.repeat(counts, axis=0)
         arrays[f"{group}.{field}"] = table.astype(column.kind)
     return arrays

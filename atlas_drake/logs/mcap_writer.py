@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from pathlib import Path
 from typing import IO, Any
 
@@ -19,7 +20,7 @@ from pydrake.systems.framework import DiagramBuilder
 from atlas_drake.atomic_write import why_not_writable
 from atlas_drake.config import as_plain
 from atlas_drake.errors import did_you_mean
-from atlas_drake.logs.header import Header, LogError
+from atlas_drake.logs.header import Header, LogError, OwnBehavior
 from atlas_drake.logs.topics import (
     ON_CHANGE,
     STRUCTURED,
@@ -55,8 +56,18 @@ def header_of(
     scenario: Scenario, robot: Robot, behaviors: Sequence[BehaviorInterface]
 ) -> Header:
     """Makes the header of a log; ``behaviors`` are the user's own."""
-    text = yaml_dump(as_plain(scenario))
-    return Header(robot.model, scenario.control_period, text, tuple(behaviors))
+    kept = [field.name for field in fields(OwnBehavior)]
+    return Header(
+        {
+            "model": robot.model,
+            "control_period": scenario.control_period,
+            "scenario": yaml_dump(as_plain(scenario)),
+            "behaviors": [
+                {name: getattr(behavior, name) for name in kept}
+                for behavior in behaviors
+            ],
+        }
+    )
 
 
 class McapWriter:

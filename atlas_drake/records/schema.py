@@ -13,6 +13,8 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
+from atlas_drake.config import Configuration, checked
+from atlas_drake.errors import ScenarioError
 from atlas_drake.frozen import Frozen
 from atlas_drake.records.column import Column, Group, Names
 from atlas_drake.records.tick_record import TickRecord
@@ -109,9 +111,26 @@ class Schema(Frozen):
         }
 
     @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> Schema:
-        """The reverse of ``to_plain``."""
-        names = {Names(key): tuple(labels) for key, labels in plain["names"].items()}
-        for group in plain["groups"]:
-            GROUPS[group]
-        return cls(names, tuple(plain["groups"]))
+    def from_plain(cls, plain: Any) -> Schema:
+        """The reverse of ``to_plain``; raises a ScenarioError for other data."""
+        given = checked(_PlainSchema, plain, "schema")
+        names = {Names(key): tuple(labels) for key, labels in given.names.items()}
+        return cls(names, tuple(given.groups))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _PlainSchema(Configuration):
+    """A schema as plain data."""
+
+    names: dict[str, list[str]]
+    groups: list[str]
+
+    def check(self) -> None:
+        """Checks that all labels are there, and all groups known."""
+        if self.names.keys() != {key.value for key in Names}:
+            rule = f"must be {', '.join(key.value for key in Names)}"
+            raise ScenarioError.about("names", list(self.names), rule)
+        for index, group in enumerate(self.groups):
+            if group not in GROUPS:
+                rule = f"must be one of {', '.join(GROUPS)}"
+                raise ScenarioError.about(f"groups[{index}]", group, rule)

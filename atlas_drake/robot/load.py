@@ -7,6 +7,7 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,6 +18,7 @@ import numpy as np
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.config import checked, read_fields, read_file
 from atlas_drake.errors import (
     RobotDescriptionError,
@@ -68,8 +70,8 @@ def find_data_file(
     """Returns the YAML file of a name in a folder, or of a path; raises a ``fault``."""
     if str(given) in names:
         return folder / f"{given}.yaml"
-    path = Path(given).expanduser().absolute()
-    if path.suffix in _ENDINGS and path.is_file():
+    path = Path(os.path.expanduser(given)).absolute()
+    if path.suffix in _ENDINGS and why_not_readable(path) is None:
         return path
     kind = "robot" if field == "model" else field
     what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
@@ -82,7 +84,7 @@ def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:
     """Returns a name unchanged, or a path made absolute from ``folder``."""
     if given in names or Path(given).suffix not in _ENDINGS:
         return given
-    return str((folder / Path(given).expanduser()).absolute())
+    return str((folder / os.path.expanduser(given)).absolute())
 
 
 def find_robot(model: str | Path) -> Path:

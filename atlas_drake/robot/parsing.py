@@ -19,7 +19,8 @@ from pydrake.multibody.parsing import PackageMap, Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.errors import RobotDescriptionError, printable
 
 LOCAL_MODELS = "ATLAS_DRAKE_MODELS"
 """Environment variable that names a folder with the content of ``drake_models``."""
@@ -52,7 +53,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
             advice = _ADVICE if f"//{_MODELS}/" in urdf else ""
             problem = f"{_one_line(str(error))}{advice}"
             raise RobotDescriptionError("urdf", urdf, problem) from None
-    if not path.is_file():
+    if why_not_readable(path):
         raise RobotDescriptionError("urdf", urdf, f"there is no file {path}")
     return path
 
@@ -60,7 +61,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
 def _add_packages(packages: PackageMap, file: Path | None) -> None:
     """Adds a local copy of Drake's models, the package above a file, and ROS' ones."""
     local = os.environ.get(LOCAL_MODELS)
-    if local and (folder := Path(local).expanduser().absolute()).is_dir():
+    if local and (folder := Path(os.path.expanduser(local)).absolute()).is_dir():
         packages.Remove(_MODELS)
         packages.Add(_MODELS, str(folder))
     for folder in file.absolute().parents if file else ():
@@ -152,6 +153,8 @@ def _faults() -> Iterator[list[str]]:
             if kind in _passed:
                 return False
             _passed.add(kind)
+        # Names are the file's; the formats of Drake's records are filled in here.
+        record.msg, record.args = printable(message), ()
         return record.levelno >= least
 
     logger.addFilter(passes)

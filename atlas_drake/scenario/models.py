@@ -21,6 +21,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.config import Configuration, as_plain, joined, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
@@ -109,7 +110,7 @@ class Model(Configuration):
         """Checks the fields with the file, by a plant on trial."""
         if not self.file:
             raise ScenarioError("file", self.file, "must be given")
-        if "://" not in self.file and not Path(self.file).is_file():
+        if "://" not in self.file and why_not_readable(Path(self.file)):
             raise ScenarioError.about("file", self.file, "there is no such file")
         X_WB = self.X_WB
         if X_WB is not None and not (

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.errors import AtlasError, ScenarioError
 
 PARTS = ("controller", "behaviors", "world", "extend")
@@ -23,6 +24,8 @@ def run_file(path: Path, option: str) -> dict[str, Any]:
     Modules beside the file can be imported by it. Its ``__name__`` is not
     ``"__main__"``, so that a program's own run does not begin.
     """
+    if problem := why_not_readable(path):
+        raise ScenarioError(option, str(path), f"{path}: {problem}")
     folder = str(path.resolve().parent)
     if folder not in sys.path:
         sys.path.insert(0, folder)

@@ -103,6 +103,32 @@ assert "pydrake" not in sys.modules
     assert done.stderr.count("none.mcap: there is no such file") == 4
 
 
+VERBS = ("run", "teleop", "script", "sweep", "plot", "export", "replay", "film")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *([verb, "PIPE"] for verb in VERBS),
+        ["import", "PIPE"],
+        ["demo", "--with", "PIPE"],
+        ["demo", "--model", "PIPE"],
+        ["demo", "--world", "PIPE"],
+        ["replay", "FILE", "--beside", "PIPE"],
+        ["results", "FOLDER"],
+        ["compare", "FOLDER", "FOLDER"],
+    ],
+)
+def test_no_input_is_waited_for_without_end(arguments, tmp_path, capsys):
+    kind = {"import": "urdf", "demo": "yaml"}.get(arguments[0], "mcap")
+    places = {"PIPE": tmp_path / f"pipe.{kind}", "FOLDER": tmp_path, "FILE": __file__}
+    for path in (places["PIPE"], tmp_path / "campaign.yaml"):
+        os.mkfifo(path)
+    assert main([str(places.get(word, word)) for word in arguments]) == 2
+    told = capsys.readouterr().err
+    assert re.search(r"(no regular|there is no) file", told)
+
+
 @pytest.mark.parametrize(
     ("options", "complaints"),
     [

@@ -1,11 +1,14 @@
 """Logs on the command line: --log, plot, export and replay."""
 
+import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario, read_log
 from atlas_drake.app import log as log_command
 from atlas_drake.app.main import main
+from atlas_drake.logs.header import Header
+from atlas_drake.logs.mcap_writer import McapWriter
 
 from .conftest import animation_in
 
@@ -94,6 +97,25 @@ def test_arguments_that_cannot_be_used_are_named_in_one_line(
     (error,) = capsys.readouterr().err.splitlines()
     assert complaint in error
     assert {*log_file.parent.iterdir()} == before
+
+
+def test_a_damaged_header_is_said_and_nothing_else_is_lost(log_file, tmp_path, capsys):
+    log, damaged = read_log(log_file), tmp_path / "damaged.mcap"
+    writer = McapWriter(damaged, Header({**log.header.given, "model": 7}))
+    writer.begin(log.schema)
+    for record in log.records():
+        writer.record(record)
+    writer.close()
+    fault = f"{damaged}: its header is damaged: model: is 7; must be a valid string"
+    table = tmp_path / "columns.npz"
+    assert main(["export", str(damaged), "-o", str(table)]) == 0
+    assert f"! {fault}\n" in capsys.readouterr().out
+    with np.load(table) as columns:
+        assert len(columns["time"]) == len(log)
+    page = ["--headless", "--record", str(tmp_path / "page.html")]
+    for verb, *options in (["plot"], ["film"], ["replay", *page]):
+        assert main([verb, str(damaged), *options]) == 2
+        assert capsys.readouterr().err == f"atlas-drake: error: {fault}\n"
 
 
 @pytest.mark.parametrize(

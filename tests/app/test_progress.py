@@ -3,8 +3,12 @@
 import io
 import os
 import time
+from contextlib import suppress
+
+import pytest
 
 from atlas_drake.app import progress
+from atlas_drake.app.main import main
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress, event_line
 from atlas_drake.messages.event import Event
 
@@ -40,6 +44,31 @@ def test_a_terminal_has_one_line_that_is_rewritten(monkeypatch):
     assert wiped.strip() == ""
     assert len(wiped) >= len(last.rstrip())
     assert line == "   1.10 s x\n"
+
+
+HOSTILE = "a\x1b[31m\x9b31m\u202e\u2066\u2028\x07\r\nWrote b"
+
+
+@pytest.mark.parametrize(
+    "put",
+    [
+        lambda stream: StatusLine(stream).say(HOSTILE),
+        lambda stream: StatusLine(stream).show(HOSTILE),
+        lambda stream: Progress(stream, 1.0).event(Event(0.0, "warning", HOSTILE)),
+        lambda _: main(["run", HOSTILE]),
+        lambda _: main(["import", HOSTILE]),
+        lambda _: main(["demo", "--model", HOSTILE]),
+        lambda _: main(["demo", "--seed", HOSTILE]),
+    ],
+)
+@pytest.mark.usefixtures("restored_loggers")
+def test_text_from_elsewhere_is_printable(put, capsys):
+    stream = Terminal()
+    with suppress(SystemExit):
+        put(stream)
+    said = (capsys.readouterr().err or stream.getvalue()).strip("\r\n")
+    assert said.isprintable()
+    assert r"\u2028\x07\r\nWrote b" in said.replace(r"\\", "\\")
 
 
 def test_a_log_has_a_line_now_and_then(monkeypatch):

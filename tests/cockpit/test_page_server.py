@@ -7,9 +7,10 @@ import logging
 
 import aiohttp
 import pytest
+from yarl import URL
 
 from atlas_drake.cockpit.page import actions, sockets
-from atlas_drake.cockpit.page.__main__ import OneLine
+from atlas_drake.cockpit.page.__main__ import OneLine, Rarely
 from atlas_drake.cockpit.page.access import BURST
 from atlas_drake.cockpit.page.actions import MOST_OPEN
 from atlas_drake.cockpit.page.server import MOST_BYTES, MOST_BYTES_WATCHING
@@ -440,6 +441,35 @@ def test_broken_http_makes_no_traceback(caplog):
     assert len(lines) <= 3
     assert all(line.startswith("! The page dropped an input: ") for line in lines)
     assert all(line.isprintable() and len(line) <= 200 for line in lines)
+
+
+def test_bad_requests_are_said_once_and_then_counted(caplog):
+    async def go():
+        async with served() as page:
+            for _ in range(25):
+                answer = await page.client.get(f"{page.url}/{'a' * 9000}")
+                assert answer.status == 400
+
+    asyncio.run(go())
+    rarely = Rarely()
+    said = [OneLine().format(one) for one in lines_of(caplog) if rarely.filter(one)]
+    assert len(said) == 2
+    assert said[1].endswith("(10 like it so far)")
+    assert max(map(len, said)) <= 200
+
+
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [("page.js", 200), (5000 * "a", 404), ("..%2fserver.py", 404), ("%00", 404)],
+)
+def test_an_asset_is_one_of_the_files_that_are_there(name, status, caplog):
+    async def go():
+        async with served() as page:
+            address = URL(f"{page.url}/assets/{name}", encoded=True)
+            assert (await page.client.get(address)).status == status
+
+    asyncio.run(go())
+    assert lines_of(caplog) == []
 
 
 def test_at_most_so_many_pages_are_open():

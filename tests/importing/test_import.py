@@ -119,9 +119,7 @@ def test_a_tilde_is_the_home_folder(tmp_path, monkeypatch, source, capsys):
     assert main(["import", *given, "--out", "bird"]) == 0
     capsys.readouterr()
     assert main(["import", "~no-such-user/x.urdf"]) == 2
-    assert (
-        "~no-such-user/x.urdf: there is no such .urdf file" in capsys.readouterr().err
-    )
+    assert "~no-such-user/x.urdf: there is no such file" in capsys.readouterr().err
 
 
 def test_the_command_writes_robots_and_says_what_is_wrong(
@@ -134,7 +132,7 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
     assert main(["import", "nobody"]) == 2
     assert "nobody: there is no such file" in capsys.readouterr().err
     assert main(["import", "nobody.sdf"]) == 2
-    assert "no such .urdf file" in capsys.readouterr().err
+    assert "nobody.sdf: there is no such file" in capsys.readouterr().err
     (tmp_path / "taken").write_text("")
     assert main(["import", str(source), "--no-trial", "--out", "taken/bird"]) == 3
     assert re.search("! .*taken.*: (Not a d|File e)", capsys.readouterr().out)

@@ -42,12 +42,30 @@ from .replaced import limits
          r"link \w+, <mass>: value is 'heavy'; must be a number"),
         (limits("waist_yaw", 'lower="nan" upper="1" effort="4" velocity="9"'),
          r"joint waist_yaw, <limit>: lower is 'nan'; must be a number, finite"),
-        ((r"<geometry>.*?</geometry>", "<geometry><capsule/></geometry>"),
-         r"link \w+, <\w+>: its geometry is <capsule>; must be one of box, sphere"),
+        ((r"<geometry>.*?</geometry>", "<geometry><plane/></geometry>"),
+         r"link \w+, <\w+>: its geometry is <plane>; must be one of box, sphere"),
+        ((r"<geometry>.*?</geometry>", "<geometry></geometry>"),
+         r"link \w+, <\w+>: its geometry is nothing; must be one of box, sphere"),
+        ((r"<box [^/]*/>", '<drake:ellipsoid a="1" b="2"/>'),
+         r"link hips, <drake:ellipsoid>: has no c"),
+        ((r"</visual>", '<material><color rgba="1 0"/></material></visual>'),
+         r"link \w+, <color>: rgba is '1 0'; must be 4 numbers"),
+        ((r"</visual>", '<material><color rgba="1 nan 0 1"/></material></visual>'),
+         r"link \w+, <color>: rgba is '1 nan 0 1'; must be 4 numbers, finite"),
+        ((r"(<robot [^>]*>)", r'\1<material name="sky"><color rgba="1 red 0 1"/>'
+          "</material>"), r"material sky, <color>: rgba is '1 red 0 1'; must be 4 num"),
+        ((r'(<joint name="left_knee".*?)(?=<limit)',
+          r'\1<mimic joint="waist_yaw" offset="much"/>'),
+         r"joint left_knee, <mimic>: offset is 'much'; must be a number"),
+        ((r"</robot>", '<transmission name="t"><joint name="waist_yaw"/><actuator>'
+          '<drake:rotor_inertia value="x"/></actuator></transmission></robot>'),
+         r"transmission t, <drake:rotor_inertia>: value is 'x'; must be a number"),
+        ((r'mu_static value="0.6"', 'mu_static value="nan"'),
+         r"link \w+, <drake:mu_static>: value is 'nan'; must be a number, finite"),
         ((r'(<axis xyz=")0 1 0"', r'\g<1>0 up 0"'),
          r"joint \w+, <axis>: xyz is '0 up 0'; must be 3 numbers"),
         ((r'(<sphere radius=")[^"]*"', r'\g<1>-1"'),
-         r"link \w+, <sphere>: radius is '-1'; must be a number, above 0"),
+         r"link \w+, <sphere>: radius is '-1'; must be a number, not below 0"),
         ((r"</robot>", '<link name="trunk"/></robot>'), "link trunk: is there twice"),
         ((r'joint name="left_knee"', 'joint name="right_knee"'),
          "joint right_knee: is there twice"),
@@ -87,14 +105,24 @@ def test_feet_without_shapes_need_a_word(imported):
     assert robot.file.sole.length == 0.2
 
 
-def test_meshes_of_feet_that_are_not_found_are_named(imported):
-    lost = (
-        r'(<link name="\w+_foot">.*?)<(?:visual|collision).*?(?=</link>)',
-        r'\1<collision><geometry><mesh filename="package://gone/foot.stl"/></geometry>'
-        "</collision>",
-    )
-    with pytest.raises(ImportRefused, match=r"left_foot: .*--package gone=.*--sole"):
+MESH = '<geometry><mesh filename="package://gone/foot.stl"/></geometry>'
+BALL = '<geometry><sphere radius="0.01"/></geometry>'
+
+
+@pytest.mark.parametrize(
+    ("collisions", "words"),
+    [([MESH], "has no shape"), ([BALL], "a point"), ([BALL, MESH], "a point.*gone=")],
+)
+def test_feet_whose_shapes_are_not_all_there_need_a_word(imported, collisions, words):
+    shapes = "".join(f"<collision>{one}</collision>" for one in collisions)
+    foot = r'(<link name="\w+_foot">.*?)'
+    lost = (rf"{foot}<(?:visual|collision).*?(?=</link>)", rf"\1{shapes}")
+    with pytest.raises(ImportRefused, match=f"left_foot: .*{words}.*--sole"):
         imported(lost)
+    # The visible shapes tell it, too.
+    robot, findings = imported((rf"{foot}<collision.*?(?=</link>)", rf"\1{shapes}"))
+    assert robot.file.sole.length == pytest.approx(0.2)
+    assert any("from the visual shapes" in text for text in findings.of("guessed"))
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,17 @@
 """What simulation cannot use is repaired or left out, and said."""
 
+import json
+import os
 import re
+import zipfile
 
 import numpy as np
 import pytest
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.importing.meshes import MeshLibrary
+from atlas_drake.importing.geometry import Geometry
+from atlas_drake.importing.meshes import MeshLibrary, write_hull
 
 from .replaced import limits
 
@@ -65,6 +71,17 @@ def test_a_foot_that_is_too_light_without_its_motors_gets_their_inertia(imported
         1.2e-4 * robot.mass * robot.com_height**2, rel=0.02
     )
     assert "rotor_inertia" not in imported()[0].urdf.read_text()
+    # What a file says of its rotors counts, and the rest is added.
+    for given, total in ((1e-5, M[at, at]), (1e-3, 0.1)):
+        motor = (
+            r"</robot>",
+            '<transmission><joint name="left_ankle_roll"/><actuator name="m">'
+            f'<drake:rotor_inertia value="{given}"/><drake:gear_ratio value="-10"/>'
+            "</actuator></transmission></robot>",
+        )
+        plant = imported(light, motor)[0].plant
+        M_given = plant.CalcMassMatrix(plant.CreateDefaultContext())
+        assert M_given[at, at] == pytest.approx(total, rel=0.02)
 
 
 def test_a_joint_with_hardly_any_range_does_not_forbid_the_pose(imported):
@@ -104,6 +121,93 @@ def test_colors_are_read_as_they_are_meant(imported, rgba):
     assert rgba == pytest.approx([0.5, 0.5, 0.5, 1.0], abs=0.01)
 
 
+def test_shapes_with_a_size_of_0_are_left_out(imported):
+    empty = "".join(
+        f"<collision><geometry>{shape}</geometry></collision>"
+        for shape in (
+            '<sphere radius="0.0"/>',
+            '<box size="1 0 1"/>',
+            '<cylinder radius="0.1" length="0"/>',
+            '<mesh filename="gone.stl" scale="1 1 0"/>',
+        )
+    )
+    robot, findings = imported((r"(?=</link>)", empty))
+    assert "shapes with a size of 0: hips, trunk" in findings.of("left out")[0]
+    assert robot.urdf.read_text() == imported()[0].urdf.read_text()
+
+
+@pytest.mark.parametrize(
+    ("shape", "name"),
+    [
+        ('<capsule radius="0.05" length="0.2"/>', "Capsule"),
+        ('<drake:capsule radius="0.05" length="0.2"/>', "Capsule"),
+        ('<!-- Its size: --><drake:ellipsoid a="0.1" b="0.1" c="0.2"/>', "Ellipsoid"),
+        ('<mesh filename="a.obj"><drake:declare_convex/></mesh>', "Convex"),
+        ('<cylinder radius="0.1" length="0.2"/>', "Cylinder"),
+    ],
+)
+def test_what_drake_reads_of_a_shape_goes_into_the_robot(
+    imported, tmp_path, shape, name
+):
+    write_hull(np.random.default_rng(0).normal(size=(20, 3)), tmp_path / "a.obj")
+    robot, _ = imported(
+        (r'(<link name="trunk">.*?<collision>.*?<geometry>).*?(?=</geometry>)',
+         rf"\1{shape}"),
+        (r'mu_dynamic value="0.6"', 'mu_dynamic value="0.4"'),
+    )  # fmt: skip
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+    robot.add_to(plant)
+    inspector = scene_graph.model_inspector()
+
+    def felt(link):
+        body = plant.GetBodyByName(link)
+        (one, *_) = plant.GetCollisionGeometriesForBody(body)
+        friction = inspector.GetProximityProperties(one).GetProperty(
+            "material", "coulomb_friction"
+        )
+        return type(inspector.GetShape(one)).__name__, friction.dynamic_friction()
+
+    assert felt("trunk") == (name, 0.4)
+    assert felt("left_foot") == ("Sphere", 0.9)
+
+
+HUGE = 10**9
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("a.zip", "is no mesh: must end in one of .stl, .obj"),
+        ("a.3mf", "is no mesh"),
+        ("a", "is no mesh"),
+        ("huge.stl", "has 1000 MB; must have at most 50"),
+        ("wide.obj", "not finite"),
+        ("many.gltf", "has 1000000000 elements; must have at most 10000000"),
+        ("pipe.gltf", "pipe.bin: is no regular file"),
+        ("above.gltf", "is not in the folder of the mesh"),
+    ],
+)
+def test_only_meshes_of_a_bounded_size_are_read(tmp_path, name, words):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("a.stl", bytes(100))
+    for copy in ("a", "a.3mf"):
+        (tmp_path / copy).write_bytes((tmp_path / "a.zip").read_bytes())
+    with (tmp_path / "huge.stl").open("wb") as file:
+        file.truncate(HUGE)
+    (tmp_path / "wide.obj").write_text("v 0 0 1e305\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    os.mkfifo(tmp_path / "pipe.bin")
+    for gltf, uri in (("pipe", "pipe.bin"), ("above", "../a.bin")):
+        buffers = [{"uri": uri, "byteLength": 4}]
+        text = json.dumps({"asset": {"version": "2.0"}, "buffers": buffers})
+        (tmp_path / f"{gltf}.gltf").write_text(text)
+    many = {"accessors": [{"componentType": 5126, "type": "VEC3", "count": HUGE}]}
+    (tmp_path / "many.gltf").write_text(json.dumps(many))
+    meshes = MeshLibrary(lambda given: tmp_path / given)
+    assert meshes.shape(Geometry("mesh", {"scale": (1e8,)}, name)) == []
+    assert words in meshes.lost[name]
+
+
 def test_a_fixed_joint_stays_where_it_would_be(imported):
     robot, _ = imported(
         (r'(<joint name="right_shoulder" )type="revolute"', r'\1type="prismatic"'),
@@ -139,11 +243,5 @@ def test_collada_files_have_their_own_units(tmp_path):
     text = re.sub(r"<unit[^>]*/>", "", path.read_text())
     path.write_text(text.replace("<asset>", '<asset><unit meter="0.01"/>', 1))
 
-    class Geometry:
-        box = sphere = cylinder = None
-
-        class mesh:
-            filename, scale = "a.dae", None
-
-    (read,) = MeshLibrary(lambda name: path).shape(Geometry)
+    (read,) = MeshLibrary(lambda name: path).shape(Geometry("mesh", {}, "a.dae"))
     assert sorted(read.extents) == pytest.approx([0.01, 0.02, 0.03])

@@ -15,6 +15,8 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.frozen import replace
+from atlas_drake.logs.header import Header
 from atlas_drake.logs.mcap_writer import McapWriter
 from atlas_drake.systems.record_reader import add_listener
 
@@ -99,6 +101,11 @@ def writer(log, tmp_path):
     writer = McapWriter(tmp_path / "other.mcap", log.header)
     writer.begin(log.schema)
     return writer
+
+
+def with_header(log, **facts):
+    """The log with other facts in its header."""
+    return replace(log, header=Header({**log.header.given, **facts}, log.path))
 
 
 def assert_beginning_of(whole, found):

@@ -1,10 +1,12 @@
 """What was written is read, as far as a file goes; all other files are refused."""
 
 import json
+import re
 from contextlib import suppress
 from functools import partial
 
 import jsonschema
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,13 +14,17 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from atlas_drake import AtlasSimulation, LogError, read_log
+from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.frozen import replace
 from atlas_drake.logs import mcap_writer
+from atlas_drake.logs.figures import draw_page
+from atlas_drake.logs.log import Part
 from atlas_drake.logs.mcap_writer import HEADER, METADATA, McapWriter
 from atlas_drake.messages.event import RunEvent
+from atlas_drake.records.column import Names
 from atlas_drake.scenario.noise import NOISE_MODELS
 
-from .conftest import PERIOD, TICKS, assert_beginning_of
+from .conftest import PERIOD, TICKS, assert_beginning_of, with_header
 
 CHUNK = 30_000
 """Size of a chunk [byte], so that a short file has several."""
@@ -162,12 +168,22 @@ def test_a_file_with_another_ending_is_named(log, tmp_path):
                 act(tmp_path / name)
 
 
+NAMES = {one.value: [] for one in Names}
+
+
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
         ({}, "no records"),
         ({"version": 99}, "version 99"),
-        ({"schema": {"names": {}, "groups": ["mood"]}}, "mood"),
+        ({"version": None}, "version None"),
+        (
+            {"schema": {"names": {}, "groups": []}},
+            r"schema\.names: is \[\]; must be jo",
+        ),
+        ({"schema": {"names": NAMES, "groups": ["mood"]}}, r"groups\[0\]: is 'mood'"),
+        ({"schema": {"names": NAMES, "groups": 7}}, r"schema\.groups: is 7; must be a"),
+        ({"schema": None}, "schema: is None; must be"),
         (None, "not of this program"),
     ],
 )
@@ -184,9 +200,87 @@ def test_a_header_that_does_not_fit_is_refused(changes, complaint, log, tmp_path
         read_log(path)
 
 
+@pytest.mark.parametrize(
+    ("topic", "message", "complaint"),
+    [
+        ("time", {"time": None}, "/time: a record has no time"),
+        ("time", {"time": "soon"}, "could not convert string to float: 'soon'"),
+        ("time", [], "no log that can be read"),
+        (
+            "gains",
+            {"kp_position": {"a": 1}},
+            "/gains: kp_position has not the elements of its schema",
+        ),
+        ("gains", {}, "no log that can be read"),
+    ],
+)
+def test_damaged_records_are_refused(topic, message, complaint, log, tmp_path):
+    path = tmp_path / "other.mcap"
+    messages = {"gains": {}, "time": {"time": 0.0}, topic: message}
+    header = json.loads(log.header.to_json(log.schema))
+    header["schema"]["groups"] = ["gains"]
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        writer.add_metadata(METADATA, {HEADER: json.dumps(header)})
+        for name, content in messages.items():
+            channel = writer.register_channel(f"/{name}", "json", 0)
+            writer.add_message(channel, 0, json.dumps(content).encode(), 0, 0)
+        writer.finish()
+    with pytest.raises(LogError, match=rf"other\.mcap: .*{complaint}"):
+        read_log(path)
+
+
+@pytest.mark.parametrize("message", [None, [], {}, {"paths": "x"}, {"paths": {"a": 1}}])
+def test_a_damaged_part_of_a_record_is_named(message, log):
+    parts = {**log.parts, "paths": Part([0], [message])}
+    with pytest.raises(LogError, match=r"run\.mcap: a message on /paths is damaged"):
+        [*replace(log, parts=parts).records()]
+
+
 def test_a_log_of_an_unknown_robot_is_refused(log):
     with pytest.raises(LogError, match="there is no robot"):
-        _ = replace(log, header=replace(log.header, model="/tmp/spot")).robot
+        _ = with_header(log, model="/tmp/spot").robot
+
+
+BOW = {"name": "BOW", "number": 100, "color": "#7cb342", "description": ""}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "complaint"),
+    [
+        ("model", 7, "model: is 7; must be a valid string"),
+        ("model", None, "model: is None"),
+        ("scenario", ["world"], r"scenario: is \['world'\]; must be"),
+        ("scenario", "b: {", "scenario: file: cannot be read: line 1"),
+        ("scenario", "- world", "scenario: file: must have fields"),
+        ("control_period", "often", "control_period: is 'often'; must be a"),
+        ("control_period", float("nan"), "control_period: is nan"),
+        ("behaviors", "BOW", "behaviors: is 'BOW'; must be"),
+        ("behaviors", [BOW | {"number": "x"}], r"behaviors\[0\]\.number: is 'x'"),
+        ("behaviors", [BOW, BOW], "behaviors: .* registered already"),
+    ],
+)
+def test_a_damaged_header_stops_only_who_needs_it(
+    field, value, complaint, log, tmp_path
+):
+    damaged = with_header(log, **{field: value})
+    (fault,) = damaged.header.faults()
+    assert fault.startswith(f"{log.path}: its header is damaged: ")
+    assert re.search(complaint, fault)
+    with pytest.raises(LogError, match=complaint):
+        draw_page(damaged)
+    damaged.to_npz(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as columns:
+        np.testing.assert_array_equal(columns["balance.com"], log["balance.com"])
+    with suppress(LogError):
+        make_replay(damaged)
+
+
+@pytest.mark.parametrize("model", ["a\0.yaml", 5000 * "a" + ".yaml", "~no-one/a.yaml"])
+def test_a_robot_whose_name_is_no_path_is_unknown(model, log):
+    with pytest.raises(LogError, match="its robot cannot be loaded"):
+        _ = with_header(log, model=model).robot
 
 
 # ---- files that cannot be written --------------------------------------------

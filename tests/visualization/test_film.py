@@ -14,6 +14,7 @@ from atlas_drake.app.main import main
 from atlas_drake.config import as_plain
 from atlas_drake.diagrams.film import RATE, film
 from atlas_drake.frozen import replace
+from atlas_drake.logs.header import Header
 from atlas_drake.palette import BEHAVIOR, COM, FORCE, USER
 from atlas_drake.scenario.scenario import LogContent
 from atlas_drake.scenario.world_file import View, World
@@ -207,9 +208,8 @@ def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(
 ):
     view = View([2.0, -3.0, 2.0], [0.0, 0.0, 0.9])
     scenario = replace(log.scenario, world=World(view=view))
-    told = replace(
-        log, header=replace(log.header, scenario=json.dumps(as_plain(scenario)))
-    )
+    text = json.dumps(as_plain(scenario))
+    told = replace(log, header=Header({**log.header.given, "scenario": text}))
     pictures = []
     for options in ({}, {"view": view}, {"show": ["follow"]}):
         film(told, tmp_path / "film.gif", size=SIZE, **options)

@@ -8,6 +8,7 @@ import queue
 import secrets
 import sys
 import threading
+from collections import Counter
 from typing import Any
 
 from atlas_drake.addresses import ANYWHERE, is_private
@@ -16,6 +17,7 @@ from atlas_drake.cockpit.page.access import Access
 from atlas_drake.cockpit.page.server import FIRST_PORT, Server, serving
 from atlas_drake.cockpit.page.session import Session
 from atlas_drake.cockpit.wire import Answer
+from atlas_drake.errors import printable
 
 LONGEST_LINE = 200
 """Letters of a line about an input that was dropped."""
@@ -49,20 +51,39 @@ def _write(link: Link, outgoing: queue.SimpleQueue[Any]) -> None:
         link.send(outgoing.get())
 
 
+class Rarely(logging.Filter):
+    """Lets the first error of each place in the code pass, then the 10th, 100th ..."""
+
+    def __init__(self) -> None:
+        """Has counted nothing yet."""
+        super().__init__()
+        self._counts = Counter[tuple[str, int]]()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Counts an error, and returns True if it is to be said."""
+        place = record.pathname, record.lineno
+        self._counts[place] += 1
+        times = vars(record)["times"] = self._counts[place]
+        return str(times).rstrip("0") == "1"
+
+
 class OneLine(logging.Formatter):
     """Leaves tracebacks out: what a browser sends may cause any number of them."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Returns the error in one line."""
+        """Returns the error in one line, and how often there was one like it."""
         error = record.exc_info[1] if record.exc_info else record.getMessage()
         kind = f"{type(error).__name__}: " if isinstance(error, Exception) else ""
-        text = f"! The page dropped an input: {kind}{error}"[:LONGEST_LINE]
-        return "".join(one if one.isprintable() else " " for one in text)
+        text = f"! The page dropped an input: {kind}{error}"
+        times = getattr(record, "times", 1)
+        often = f" ({times} like it so far)" if times > 1 else ""
+        return printable(text)[: LONGEST_LINE - len(often)] + often
 
 
 if __name__ == "__main__":
     descriptor, host, port = sys.argv[1:]
     handler = logging.StreamHandler()
     handler.setFormatter(OneLine())
+    handler.addFilter(Rarely())
     logging.basicConfig(handlers=[handler])
     asyncio.run(serve(Link(int(descriptor)), host, int(port)))

@@ -31,6 +31,7 @@ from atlas_drake.errors import AtlasError
 FIRST_PORT, PORTS_TRIED = 8080, 100
 """First port that is tried, and how many are."""
 STATIC = Path(__file__).parent / "static"
+ASSETS = frozenset(path.name for path in STATIC.iterdir() if path.is_file())
 MOST_BYTES, MOST_BYTES_WATCHING = 1_000_000, 10_000
 """Size of a browser's message, and of one that has no control, beyond which its
 connection is closed."""
@@ -58,7 +59,7 @@ class Server:
         app.cleanup_ctx.append(self._as_time_goes_on)
         app.router.add_get("/", self._index)
         app.router.add_get("/socket", self._socket)
-        app.router.add_static("/assets/", STATIC)
+        app.router.add_get("/assets/{name}", self._asset)
         self._relay.add_to(app)
         return app
 
@@ -93,6 +94,13 @@ class Server:
 
     async def _index(self, _request: web.Request) -> web.FileResponse:
         return web.FileResponse(STATIC / "index.html")
+
+    async def _asset(self, request: web.Request) -> web.FileResponse:
+        # Only the names of files that are there reach the file system.
+        name = request.match_info["name"]
+        if name not in ASSETS:
+            raise web.HTTPNotFound(text="no such file")
+        return web.FileResponse(STATIC / name)
 
     # ---- one browser ---------------------------------------------------------
 
