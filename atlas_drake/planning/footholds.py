@@ -18,6 +18,7 @@ from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 from atlas_drake.rotations import wrap_angle, yaw_of
+from atlas_drake.units import Meters, Radians, Seconds
 
 SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side. Geometry of the legs; the
@@ -39,15 +40,15 @@ _TURN_MARGIN = 0.02
 class UsualSteps(Configuration):
     """Default steps of a walk, for demonstrations and planners."""
 
-    stride: Positive = 0.20
-    """Distance from one footprint to the next [m]."""
-    turn: Positive = 0.15
-    """Turn of each step on a bend or on the spot [rad]."""
-    duration: Positive = 0.63
-    """Duration of each step [s]."""
-    stride_change: Positive = 0.20
-    """Largest change of the stride from one step to the next [m]: a walk begins and
-    ends with shorter strides, because the robot has to gain and lose its speed."""
+    stride: Positive[Meters] = 0.20
+    """Distance from one footprint to the next."""
+    turn: Positive[Radians] = 0.15
+    """Turn of each step on a bend or on the spot."""
+    duration: Positive[Seconds] = 0.63
+    """Duration of each step."""
+    stride_change: Positive[Meters] = 0.20
+    """Largest change of the stride from one step to the next: a walk begins and ends
+    with shorter strides, because the robot has to gain and lose its speed."""
 
 
 @dataclass(frozen=True)

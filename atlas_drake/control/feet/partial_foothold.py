@@ -15,21 +15,22 @@ import numpy as np
 
 from atlas_drake.config import Configuration, NotNegative, ProperShare
 from atlas_drake.messages.controller_status import MAX_CORNERS
+from atlas_drake.units import Meters, Radians, RadiansPerSecond
 
 
 @dataclass(frozen=True)
 class TippingRules(Configuration):
     """When a sole on the ground tips over an edge."""
 
-    tilt: NotNegative = 0.05
-    """Tilt from how the sole rested, from which it tips if the tilt grows [rad]."""
-    rate: NotNegative = 0.3
-    """Least angular velocity of that [rad/s]."""
-    margin: NotNegative = 0.01
-    """Distance of the carrying part from the edge [m]."""
+    tilt: NotNegative[Radians] = 0.05
+    """Tilt from how the sole rested, from which it tips if the tilt grows."""
+    rate: NotNegative[RadiansPerSecond] = 0.3
+    """Least angular velocity of that."""
+    margin: NotNegative[Meters] = 0.01
+    """Distance of the carrying part from the edge."""
     least_part: ProperShare = 0.15
-    """Least share of the sole's area that can carry: with less the sole is left to tip
-    [-]."""
+    """Least share of the sole's area that can carry: with less the sole is left to
+    tip."""
 
 
 def carrying_part(
