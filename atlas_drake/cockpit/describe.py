@@ -47,7 +47,7 @@ def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
         "title": sim.scenario.name,
         "gait": _gait(config.gait()),
         "pelvis": _pelvis(config.manipulate.range, sim.robot.pelvis_height),
-        "pushed": list(sim.robot.file.pushed),
+        "pushed": [sim.robot.pushed_link(name) for name in sim.robot.file.pushed],
         "overlays": dict(OVERLAYS),
         "columns": columns_of(sim.schema, sim.record),
         "steps": [step._asdict() for step in steps],

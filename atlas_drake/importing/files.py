@@ -263,8 +263,6 @@ def write_yaml(
         for foot in file.feet
     ]
     lines.append(f"sole: {{length: {length:.4f}, width: {width:.4f}}}")
-    if file.pushed:
-        lines.append(f"pushed: [{', '.join(map(_name, file.pushed))}]")
     if file.no_collisions:
         lines.append("no_collisions: # Their shapes overlap.")
         lines += [f"- [{_name(a)}, {_name(b)}]" for a, b in file.no_collisions]

@@ -80,8 +80,8 @@ def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> No
         "| --- | --- |",
         *(f"| {name} | {value} |" for name, value in results(trial)),
         "",
-        f"Pushes change the robot's speed within {PUSH_DURATION:g} s, at "
-        f"`{robot.file.pushed[-1]}`; the robot bears one if it stands in the end.",
+        f"Pushes change the robot's speed within {PUSH_DURATION:g} s, at its trunk "
+        f"(`{robot.trunk}`); the robot bears one if it stands in the end.",
         "",
     ]
     if trial.near_limit:

@@ -14,6 +14,7 @@ from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.planning.step_stream import StepStream
+from atlas_drake.robot import TRUNK
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
 
@@ -168,8 +169,7 @@ def _scale(sim: AtlasSimulation) -> float:
 
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:
     force = np.append(direction, 0.0) * speed * sim.robot.mass / PUSH_DURATION
-    body = sim.robot.file.pushed[-1]
-    sim.apply_push(body, force, PUSH_DURATION)
+    sim.apply_push(TRUNK, force, PUSH_DURATION)
     end = sim.time + LONGEST
     _advance(sim, SETTLES)
     while not _stands(sim) and not sim.has_fallen and sim.time < end:

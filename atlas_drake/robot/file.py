@@ -22,6 +22,8 @@ from atlas_drake.units import (
 LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
 LIMBS = ("back", "neck", *LEGS, "l_arm", "r_arm", "l_hand", "r_hand")
+TRUNK = "trunk"
+"""Name that means the link of ``chest`` in pushes of every robot."""
 Name = Annotated[str, MinLen(1)]
 """A name that must be given."""
 
@@ -97,7 +99,8 @@ class RobotFile(Configuration):
     pelvis: Name
     """Body at the top of both legs, free in the world."""
     chest: Name
-    """Body that balance keeps upright; the pelvis itself for a robot without a back."""
+    """Body or frame that balance keeps upright; the pelvis itself for a robot without a
+    back. Pushes know its body as ``trunk``."""
     hands: list[str] = field(default_factory=list)
     """Bodies of the left and the right hand; none for a robot without hands."""
     imu_frame: str = ""
@@ -109,7 +112,7 @@ class RobotFile(Configuration):
     contacts: list[ContactEntry] = field(default_factory=list)
     """Further surfaces that can carry load, such as hands."""
     pushed: list[str] = field(default_factory=list)
-    """Bodies that the cockpit names for pushes; pelvis, chest and hands if left out."""
+    """Bodies that the cockpit names for pushes; pelvis, trunk and hands if left out."""
     joints: list[JointEntry] = field(default_factory=list)
     """Every actuated joint in the order of the messages' arrays."""
     no_collisions: list[Annotated[list[str], Len(2, 2)]] = field(default_factory=list)

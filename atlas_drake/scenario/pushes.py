@@ -13,6 +13,7 @@ from annotated_types import Ge
 
 from atlas_drake.config import Configuration, NotNegative, Positive, Vector
 from atlas_drake.errors import ScenarioError
+from atlas_drake.robot import TRUNK
 from atlas_drake.units import Newtons, NewtonSeconds, Radians, Ratio, Seconds
 
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
@@ -37,8 +38,9 @@ class PlannedPush(Configuration):
     begins, or the world."""
     force_W: Vector[Newtons] | None = None
     """Force in W, in place of impulse, lift and direction; null for these."""
-    body: str = ""
-    """Name of the link that is pushed at its origin; empty for the chest."""
+    body: str = TRUNK
+    """Name of the link that is pushed at its origin; ``trunk`` is that of the chest on
+    every robot."""
     duration: Positive[Seconds] = 0.1
     """How long the force lasts."""
     time: NotNegative[Seconds] | None = None
