@@ -214,7 +214,7 @@ def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
     """
     plain = as_plain(defaults(kind) if base is None else base)
     try:
-        made = _adapter(kind).validate_python(_overlaid(plain, as_plain(given)))
+        made = _adapter(kind).validate_python(overlaid(plain, as_plain(given)))
     except ValidationError as error:
         raise _first(error, kind, path) from None
     _check_size(made, path)
@@ -239,12 +239,12 @@ def defaults(kind: Any) -> dict[str, Any] | None:
     return found
 
 
-def _overlaid(base: Any, given: Any) -> Any:
+def overlaid(base: Any, given: Any) -> Any:
     """Returns ``base`` with the fields of ``given``, mapping by mapping."""
     if not (isinstance(base, Mapping) and isinstance(given, Mapping)):
         return given
     changed = {
-        name: _overlaid(base[name], value) if name in base else value
+        name: overlaid(base[name], value) if name in base else value
         for name, value in given.items()
     }
     return {**base, **changed}
