@@ -116,7 +116,7 @@ class Configuration:
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
         """Describes the class to pydantic."""
-        return finished_by(_after_check, _take_yaml(handler(source), handler), handler)
+        return finished_by(_after_check, _from_yaml(handler(source)))
 
 
 class CheckedOnce(Configuration):
@@ -135,32 +135,23 @@ def _after_check(value: Configuration) -> Configuration:
     return value
 
 
-def _take_yaml(schema: Any, handler: Any) -> Any:
-    """Lets a strict schema take mappings for dataclasses, and lists for tuples."""
-    whole = handler.resolve_ref_schema(schema)
-    whole["strict"] = False
-    pending: list[Any] = [whole["schema"]]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, dict):
-            pending += part.values()
-            if part.get("type") == "tuple":
-                part["strict"] = False
-        elif isinstance(part, list):
-            pending += part
-    return schema
+def _from_yaml(part: Any) -> Any:
+    """Returns a strict schema that takes mappings for its class, lists for tuples."""
+    if isinstance(part, list):
+        return [_from_yaml(item) for item in part]
+    if not isinstance(part, dict):
+        return part
+    made = {name: _from_yaml(item) for name, item in part.items()}
+    return {**made, "strict": False} if made.get("type") in _OF_YAML else made
 
 
-def finished_by(function: Callable[[Any], Any], schema: Any, handler: Any) -> Any:
-    """Lets pydantic hand each value of a class to ``function``, which returns it."""
-    # In place: pydantic refers to the description of a type that it meets again.
-    whole = handler.resolve_ref_schema(schema)
-    inner = {name: part for name, part in whole.items() if name != "ref"}
-    after = {"type": "no-info", "function": function}
-    ref = {"ref": whole["ref"]} if "ref" in whole else {}
-    whole.clear()
-    whole.update(type="function-after", function=after, schema=inner, **ref)
-    return schema
+def finished_by(function: Callable[[Any], Any], schema: Any) -> Any:
+    """Describes a class to pydantic whose values ``function`` gets and returns."""
+    # Under the same name: pydantic looks it up where it meets the class again.
+    inner = {name: part for name, part in schema.items() if name != "ref"}
+    return core_schema.no_info_after_validator_function(
+        function, inner, ref=schema.get("ref")
+    )
 
 
 class OfDrake:
@@ -194,14 +185,20 @@ def declared(kind: Any) -> Any:
     if not is_class or issubclass(kind, Configuration):
         return kind
     kind.__pydantic_config__ = Configuration.__pydantic_config__
-    mapping = GetPydanticSchema(lambda own, handler: _take_yaml(handler(own), handler))
-    return Annotated[kind, mapping]
+    return Annotated[kind, GetPydanticSchema(_of_users)]
+
+
+def _of_users(kind: Any, handler: Any) -> Any:
+    schema = _from_yaml(handler.resolve_ref_schema(handler(kind)))
+    return {name: part for name, part in schema.items() if name != "ref"}
 
 
 LARGEST = 1e6
 """Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
 from the origin, positions are still exact to a nanometre."""
 _UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
+_OF_YAML = ("dataclass", "tuple")
+"""Types of pydantic's schemas for which YAML has mappings and lists."""
 
 
 def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
