@@ -22,10 +22,11 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.scaling import CLEARANCE, feet_fitting
 from atlas_drake.config import overlaid
 from atlas_drake.frozen import replace
+from atlas_drake.importing.files import MESHES, URDF
 from atlas_drake.importing.motions import SETTLES, advance, walk
-from atlas_drake.robot import Size, load_robot, read_robot_file
+from atlas_drake.robot import Size, load_robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 STRONGER = 10.0
 """Factor on all effort limits with which a walk shows the efforts that it takes [-]."""
@@ -41,8 +42,7 @@ LONGEST = 60.0
 def what_bounds(model: Path, say: Callable[[str], object]) -> str:
     """Says what bounds a robot that does not walk with its usual gait.
 
-    That are the joints that need more than their effort to walk like that, or else the
-    steps of time.
+    These are joints that need more than their effort for it, or else the time steps.
 
     Args:
         model: The robot's YAML file.
@@ -50,13 +50,15 @@ def what_bounds(model: Path, say: Callable[[str], object]) -> str:
     """
     say("walking with stronger motors")
     with TemporaryDirectory() as temporary:
-        folder = Path(temporary) / "robot"
-        shutil.copytree(model.parent, folder)
-        _strengthen(folder / read_robot_file(model).urdf)
-        efforts = _efforts_of_walk(Scenario(model=str(folder / model.name)))
+        strong = Path(temporary) / model.name
+        shutil.copy(model, strong)
+        _strengthen(model.parent / URDF, strong.parent / URDF)
+        if (model.parent / MESHES).exists():
+            shutil.copytree(model.parent / MESHES, strong.parent / MESHES)
+        efforts = _efforts_of_walk(Scenario(model=str(strong)))
     if efforts is not None:
         return _weak_joints(model, efforts)
-    say("walking with shorter steps of time")
+    say("walking with shorter time steps")
     fine = Scenario(
         model=str(model), control_period=FINE_PERIOD, physics_step=FINE_STEP
     )
@@ -68,18 +70,22 @@ def what_bounds(model: Path, say: Callable[[str], object]) -> str:
     )
 
 
-def _strengthen(urdf: Path) -> None:
+def _strengthen(urdf: Path, strong: Path) -> None:
     tree = etree.parse(str(urdf))
     for limit in tree.iterfind("joint/limit"):
         limit.set("effort", str(STRONGER * float(limit.get("effort"))))
-    tree.write(str(urdf))
+    tree.write(str(strong))
 
 
 def _efforts_of_walk(scenario: Scenario) -> np.ndarray | None:
     """Returns the peak effort of each joint [N·m]; None if the robot does not walk."""
     with AtlasSimulation(scenario) as sim:
-        advance(sim, SETTLES)
-        if not walk(sim, sim.scenario.controller_config().gait().stride):
+        try:
+            advance(sim, SETTLES)
+            does_walk = walk(sim, sim.scenario.controller_config().gait().stride)
+        except SimulationError:  # Its motors threw it about.
+            return None
+        if not does_walk:
             return None
         peaks: np.ndarray = sim.output("peaks")[: sim.robot.num_joints]
         return peaks * sim.robot.effort_limit
@@ -111,10 +117,9 @@ def find_gentler(
         the robot walks with none; and the gaits with which it does not, in words.
     """
     deadline = time.monotonic() + LONGEST
-    with AtlasSimulation(Scenario(model=str(model))) as sim:
-        gaits = list(gentler_gaits(sim.scenario.controller_config(), sim.robot.size))
+    config = Scenario(model=str(model)).controller_config()
     failed: list[str] = []
-    for words, values in gaits:
+    for words, values in gentler_gaits(config, load_robot(model).size):
         if time.monotonic() > deadline:
             break
         say(f"{words} steps")
@@ -138,7 +143,7 @@ def gentler_gaits(
     )
     duration = usual.nearest(duration=_round(SLOWER * usual.duration)).duration
     apart = size.sole_width + CLEARANCE * size.height
-    width = max(_round(NARROWER * config.stance.width), apart)
+    width = _round(max(NARROWER * config.stance.width, apart))
     limits = feet_fitting(config.walk.limits.width, replace(size, stance_width=width))
     ways: dict[str, dict[str, Any]] = {
         "smaller": {"walk": {"steps": {"stride": stride}}},

@@ -118,7 +118,7 @@ def results(trial: Trial) -> list[tuple[str, str]]:
         found.append(("what bounds it", trial.bound))
         gentler = f"it walks with {trial.gentler} ones; {YAML} has their values"
         if not trial.gentler:
-            gentler = f"it does not walk with {' / '.join(trial.failed)} ones either"
+            gentler = f"it does not walk with {'; '.join(trial.failed)} ones either"
         found.append(("gentler steps", gentler))
     if trial.strides:
         found.append(
