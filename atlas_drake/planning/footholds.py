@@ -58,26 +58,26 @@ class Gait:
     ``ControllerConfig.gait`` returns those of a robot and a scenario.
 
     Attributes:
-        stride: Distance from one footprint to the next [m]; at most 0.35 for Atlas.
-        turn: Mean turn of a step [rad]; at most 0.5 for Atlas.
-        duration: Duration of each step [s]; at most 3.0 for Atlas, less with a stride
+        stride: Distance from one footprint to the next; at most 0.35 for Atlas.
+        turn: Mean turn of a step; at most 0.5 for Atlas.
+        duration: Duration of each step; at most 3.0 for Atlas, less with a stride
             that takes the feet far apart, about 1.4 with the longest.
-        stride_change: Largest change of the stride from one step to the next [m].
-        swing_height: Apex of the swing above the middle of its ends [m].
+        stride_change: Largest change of the stride from one step to the next.
+        swing_height: Apex of the swing above the middle of its ends.
         limits: Limits of one step of the robot.
-        stance_width: Distance between the soles' middles of feet side by side [m].
+        stance_width: Distance between the soles' middles of feet side by side.
 
     Raises:
         ValueError: If the robot cannot walk like that; it names field and value.
     """
 
-    stride: float = UsualSteps.stride
-    turn: float = UsualSteps.turn
-    duration: float = UsualSteps.duration
-    stride_change: float = UsualSteps.stride_change
-    swing_height: float = SwingProfile.height
+    stride: Meters = UsualSteps.stride
+    turn: Radians = UsualSteps.turn
+    duration: Seconds = UsualSteps.duration
+    stride_change: Meters = UsualSteps.stride_change
+    swing_height: Meters = SwingProfile.height
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
-    stance_width: float = field(default=STANCE_WIDTH, repr=False)
+    stance_width: Meters = field(default=STANCE_WIDTH, repr=False)
 
     def nearest(self, **desired: float) -> Gait:
         """Returns the feasible gait nearest to values that may be beyond the limits.
