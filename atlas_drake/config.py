@@ -1,13 +1,12 @@
 """Declares, reads and checks configurations by pydantic.
 
-Accepts the mapping of a YAML file and a value made in Python. A field's bounds stand
-in its annotation, its text and its unit in the string below it.
+Accepts the mapping of a YAML file and a value made in Python. A field's bounds and its
+unit stand in its annotation, its text in the string below it.
 """
 
 from __future__ import annotations
 
 import ast
-import contextlib
 import dataclasses
 import functools
 import inspect
@@ -20,7 +19,7 @@ from collections.abc import Callable, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from types import ModuleType
-from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeGuard, TypeVar
 
 import numpy as np
 import yaml
@@ -36,6 +35,7 @@ from pydantic_core import core_schema
 
 from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
+from atlas_drake.units import Ratio, unit_of
 
 
 def is_number(value: object) -> TypeGuard[Real]:
@@ -61,16 +61,17 @@ def plain_number(value: object) -> object:
     return value.item() if isinstance(value, np.generic) else value
 
 
-Positive = Annotated[float, Gt(0.0)]
-"""A number above 0, such as a divisor."""
-NotNegative = Annotated[float, Ge(0.0)]
-"""A number that is 0 or more."""
-Share = Annotated[float, Interval(ge=0.0, le=1.0)]
-"""A share of a whole [-]."""
-ProperShare = Annotated[float, Interval(gt=0.0, lt=1.0)]
-"""A share of a whole, neither 0 nor 1 [-]."""
-Vector = Annotated[list[float], Len(3, 3)]
-"""Three numbers."""
+_Number = TypeVar("_Number", bound=float)
+Positive = Annotated[_Number, Gt(0)]
+"""A number above 0, such as a divisor: ``Positive[Seconds]``."""
+NotNegative = Annotated[_Number, Ge(0)]
+"""A number that is 0 or more: ``NotNegative[Seconds]``."""
+Share = Annotated[Ratio, Interval(ge=0.0, le=1.0)]
+"""A share of a whole."""
+ProperShare = Annotated[Ratio, Interval(gt=0.0, lt=1.0)]
+"""A share of a whole, neither 0 nor 1."""
+Vector = Annotated[list[_Number], Len(3, 3)]
+"""Three numbers: ``Vector[Meters]``."""
 
 
 class LeastGreatest(NamedTuple):
@@ -87,7 +88,8 @@ def _in_order(value: LeastGreatest) -> LeastGreatest:
 
 
 Range = Annotated[LeastGreatest, AfterValidator(_in_order)]
-"""A least and a greatest value, ``[least, greatest]`` in YAML."""
+"""A least and a greatest value, ``[least, greatest]`` in YAML: ``Annotated[Range,
+Unit("m")]``."""
 
 
 class Configuration:
@@ -115,7 +117,7 @@ class Configuration:
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
         """Describes the class to pydantic."""
-        return finished_by(_after_check, _take_yaml(handler(source), handler), handler)
+        return finished_by(_after_check, _from_yaml(handler(source)))
 
 
 class CheckedOnce(Configuration):
@@ -134,32 +136,23 @@ def _after_check(value: Configuration) -> Configuration:
     return value
 
 
-def _take_yaml(schema: Any, handler: Any) -> Any:
-    """Lets a strict schema take mappings for dataclasses, and lists for tuples."""
-    whole = handler.resolve_ref_schema(schema)
-    whole["strict"] = False
-    pending: list[Any] = [whole["schema"]]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, dict):
-            pending += part.values()
-            if part.get("type") == "tuple":
-                part["strict"] = False
-        elif isinstance(part, list):
-            pending += part
-    return schema
+def _from_yaml(part: Any) -> Any:
+    """Returns a strict schema that takes mappings for its class, lists for tuples."""
+    if isinstance(part, list):
+        return [_from_yaml(item) for item in part]
+    if not isinstance(part, dict):
+        return part
+    made = {name: _from_yaml(item) for name, item in part.items()}
+    return {**made, "strict": False} if made.get("type") in _OF_YAML else made
 
 
-def finished_by(function: Callable[[Any], Any], schema: Any, handler: Any) -> Any:
-    """Lets pydantic hand each value of a class to ``function``, which returns it."""
-    # In place: pydantic refers to the description of a type that it meets again.
-    whole = handler.resolve_ref_schema(schema)
-    inner = {name: part for name, part in whole.items() if name != "ref"}
-    after = {"type": "no-info", "function": function}
-    ref = {"ref": whole["ref"]} if "ref" in whole else {}
-    whole.clear()
-    whole.update(type="function-after", function=after, schema=inner, **ref)
-    return schema
+def finished_by(function: Callable[[Any], Any], schema: Any) -> Any:
+    """Describes a class to pydantic whose values ``function`` gets and returns."""
+    # Under the same name: pydantic looks it up where it meets the class again.
+    inner = {name: part for name, part in schema.items() if name != "ref"}
+    return core_schema.no_info_after_validator_function(
+        function, inner, ref=schema.get("ref")
+    )
 
 
 class OfDrake:
@@ -171,7 +164,7 @@ class OfDrake:
             name: core_schema.typed_dict_field(
                 handler.generate_schema(kind), required=False
             )
-            for name, kind in _fields(source).items()
+            for name, kind in fields_of(source).items()
         }
         config = core_schema.CoreConfig(strict=True)
         mapping = core_schema.typed_dict_schema(
@@ -193,15 +186,20 @@ def declared(kind: Any) -> Any:
     if not is_class or issubclass(kind, Configuration):
         return kind
     kind.__pydantic_config__ = Configuration.__pydantic_config__
-    mapping = GetPydanticSchema(lambda own, handler: _take_yaml(handler(own), handler))
-    return Annotated[kind, mapping]
+    return Annotated[kind, GetPydanticSchema(_of_users)]
+
+
+def _of_users(kind: Any, handler: Any) -> Any:
+    schema = _from_yaml(handler.resolve_ref_schema(handler(kind)))
+    return {name: part for name, part in schema.items() if name != "ref"}
 
 
 LARGEST = 1e6
 """Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
 from the origin, positions are still exact to a nanometre."""
 _UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
-_UNIT = re.compile(r"\[([^\[\],]+)\]")
+_OF_YAML = ("dataclass", "tuple")
+"""Types of pydantic's schemas for which YAML has mappings and lists."""
 
 
 def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
@@ -214,7 +212,7 @@ def checked(kind: Any, given: Any, path: str = "", *, base: Any = None) -> Any:
     """
     plain = as_plain(defaults(kind) if base is None else base)
     try:
-        made = _adapter(kind).validate_python(_overlaid(plain, as_plain(given)))
+        made = _adapter(kind).validate_python(overlaid(plain, as_plain(given)))
     except ValidationError as error:
         raise _first(error, kind, path) from None
     _check_size(made, path)
@@ -239,12 +237,12 @@ def defaults(kind: Any) -> dict[str, Any] | None:
     return found
 
 
-def _overlaid(base: Any, given: Any) -> Any:
+def overlaid(base: Any, given: Any) -> Any:
     """Returns ``base`` with the fields of ``given``, mapping by mapping."""
     if not (isinstance(base, Mapping) and isinstance(given, Mapping)):
         return given
     changed = {
-        name: _overlaid(base[name], value) if name in base else value
+        name: overlaid(base[name], value) if name in base else value
         for name, value in given.items()
     }
     return {**base, **changed}
@@ -260,7 +258,7 @@ def as_plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {name: as_plain(item) for name, item in value.items()}
     kind: Any = type(value)
-    if fields := _fields(kind):
+    if fields := fields_of(kind):
         return {name: as_plain(getattr(value, name)) for name in fields}
     return plain_number(value)
 
@@ -282,7 +280,7 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
     faults = error.errors(include_url=False)
     # A field with a mistyped name is missing, too.
     fault = next((one for one in faults if one["type"] in _UNKNOWN), faults[0])
-    where, value, unit, owner = path, fault["input"], "", None
+    where, value, owner = path, fault["input"], None
     for part in fault["loc"]:
         owner = _structure(kind)
         if isinstance(part, int):
@@ -290,10 +288,9 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
             kind = next(iter(typing.get_args(owner)), None)
         else:
             where = joined(where, part)
-            unit = unit_of(owner, part)
-            kind = _fields(owner).get(part)
+            kind = fields_of(owner).get(part)
     if fault["type"] in _UNKNOWN:
-        known = _fields(owner)
+        known = fields_of(owner)
         hint = did_you_mean(str(fault["loc"][-1]), known)
         hint = hint or f" There are {', '.join(known)}."
         return ScenarioError(where, value, f"there is no such field.{hint}")
@@ -305,8 +302,10 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
             return ScenarioError(below, cause.value, cause.problem)
         return ScenarioError(where, value, str(cause))
     said = fault["msg"].replace("Input should be", "must be")
-    unit = f" {unit}" if unit and is_number(value) else ""
-    return ScenarioError(where or "file", value, f"is {shown(value)}{unit}; {said}")
+    with_unit = shown(value)
+    if is_number(value) and (unit := unit_of(kind)) not in (None, "-"):
+        with_unit += f" {unit}"
+    return ScenarioError(where or "file", value, f"is {with_unit}; {said}")
 
 
 def _structure(kind: Any) -> Any:
@@ -320,22 +319,12 @@ def _structure(kind: Any) -> Any:
 
 
 @functools.cache
-def _fields(kind: Any) -> dict[str, Any]:
-    """Returns the fields' types by name; empty if the type has no fields."""
+def fields_of(kind: Any) -> dict[str, Any]:
+    """Returns the fields' annotations by name; empty if the type has no fields."""
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         hints = typing.get_type_hints(kind, include_extras=True)
         return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
     return {field.name: field.type for field in getattr(kind, "__fields__", ())}
-
-
-def unit_of(owner: Any, field: str) -> str:
-    """Returns the unit in the text of a field, such as ``m``; empty for none."""
-    for cls in inspect.getmro(owner) if inspect.isclass(owner) else ():
-        with contextlib.suppress(OSError, TypeError):  # A class without source.
-            units = _UNIT.findall(trailing_strings(cls).get(field, ""))
-            if units:
-                return str(units[-1]) if units[-1] != "-" else ""
-    return ""
 
 
 def joined(path: str, name: object) -> str:
@@ -449,8 +438,15 @@ def read_fields(text: str, example: str) -> dict[str, Any]:
 
 @functools.cache
 def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
-    """Returns the string after each assignment in a class or a module, by name."""
-    body: list[ast.stmt] = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
+    """Returns the string after each assignment in a class or a module, by name.
+
+    There are none without the source, as in a package of compiled files.
+    """
+    try:
+        source = inspect.getsource(owner)
+    except (OSError, TypeError):
+        return {}
+    body: list[ast.stmt] = ast.parse(textwrap.dedent(source)).body
     if isinstance(body[0], ast.ClassDef) and inspect.isclass(owner):
         body = body[0].body
     found: dict[str, str] = {}

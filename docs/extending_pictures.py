@@ -88,7 +88,7 @@ def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """Joint springs do not balance: the robot falls after the push."""
     sim = AtlasSimulation(controller=own["GravityCompensatedPd"], view=meshcat)
     sim.advance(2.0)
-    sim.apply_push("utorso", [300.0, 0.0, 0.0], 0.1)
+    sim.apply_push("trunk", [300.0, 0.0, 0.0], 0.1)
     sim.advance(1.3)
     return _ground_below(sim)
 

@@ -77,7 +77,7 @@ def _refer_to_scenario(campaign: dict[str, Any]) -> None:
 def _describe(part: dict[str, Any], cls: type) -> None:
     """Adds the docstrings of a class, and what of its fields pydantic does not know."""
     part["description"] = source_docs.head(cls.__doc__)
-    told = source_docs.attributes(cls) | source_docs.trailing_strings(cls)
+    told = source_docs.fields(cls)
     fields = part["properties"]
     if "controller" in fields:
         # Once for all files: editors follow a path to another schema.

@@ -244,9 +244,7 @@ def _fields_of(value: Any, path: str) -> list[str]:
             return [f"## {path}", told]
         told += " Other than in Drake:"
         return [f"## {path}", told, table(("name", "value"), rows)]
-    told = source_docs.attributes(type(value))
-    for cls in reversed(type(value).__mro__[:-1]):
-        told |= source_docs.trailing_strings(cls)
+    told = source_docs.fields(type(value))
     rows, parts = [], []
     for field in dataclasses.fields(value):
         item, where = getattr(value, field.name), f"{path}.{field.name}".lstrip(".")
@@ -349,7 +347,7 @@ def all_pages() -> dict[str, str]:
 
 
 def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
-    told = source_docs.attributes(cls) | source_docs.trailing_strings(cls)
+    told = source_docs.fields(cls)
     rows = [
         (f"`{name}`", _value(value), told.get(name, ""))
         for name, value in (values or source_docs.defaults(cls)).items()

@@ -14,6 +14,7 @@ from typing import Any
 
 from atlas_drake import config
 from atlas_drake.messages import Message
+from atlas_drake.units import unit_of
 
 
 def paragraphs(text: str | None) -> str:
@@ -55,6 +56,18 @@ def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
     """The strings that follow assignments in a class or a module, as Markdown."""
     told = config.trailing_strings(owner)
     return {name: paragraphs(text).replace("\n", " ") for name, text in told.items()}
+
+
+def fields(cls: type) -> dict[str, str]:
+    """The text of each field of a dataclass as Markdown, with its unit."""
+    told = attributes(cls)
+    for one in reversed(cls.__mro__[:-1]):
+        told |= trailing_strings(one)
+    for name, kind in config.fields_of(cls).items():
+        if name in told and (unit := unit_of(kind)):
+            # After the first sentence, which says what the number is.
+            told[name] = re.sub(r"(?=[.:;](\s|$))", f" [{unit}]", told[name], count=1)
+    return told
 
 
 def defaults(cls: type) -> dict[str, Any]:

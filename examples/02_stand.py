@@ -35,7 +35,7 @@ def is_still(sim: AtlasSimulation) -> bool:
 
 report("at rest")
 for force, where in (([150.0, 0.0, 0.0], "forward"), ([0.0, 100.0, 0.0], "left")):
-    sim.apply_push("utorso", force, 0.1)  # [N] for 0.1 s
+    sim.apply_push("trunk", force, 0.1)  # [N] for 0.1 s
     sim.advance(0.3)
     report(f"pushed {where}")
     took = sim.wait_until(is_still, timeout=5.0, what="rest after the push")

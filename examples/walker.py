@@ -376,7 +376,7 @@ def main():
     ) as sim:
         sim.advance(STANDING + 1.5 * options.step_time)
         if options.push:  # [N·s], while the second foot is in the air
-            sim.apply_push("utorso", 10.0 * np.array([*options.push, 0.0]), 0.1)
+            sim.apply_push("trunk", 10.0 * np.array([*options.push, 0.0]), 0.1)
         sim.advance(2.5 * options.step_time + SETTLING + 2.0)
 
     for foot in sim.robot.file.feet:

@@ -1,16 +1,20 @@
 """YAML as users write it, and the checks of what is read."""
 
 import dataclasses
+import types
+import typing
 from typing import Annotated
 
 import numpy as np
 import pytest
-from annotated_types import Len
+from annotated_types import Len, Unit
 from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.common.yaml import yaml_dump
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.campaigns import load_campaign
+from atlas_drake.campaigns.campaign import Campaign, Threshold
 from atlas_drake.config import (
     MAX_VALUES,
     Configuration,
@@ -19,13 +23,15 @@ from atlas_drake.config import (
     Range,
     as_plain,
     checked,
+    fields_of,
     read_yaml,
     trailing_strings,
 )
 from atlas_drake.errors import AtlasError, ScenarioError
-from atlas_drake.robot import load_robot
+from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
-from atlas_drake.scenario.world_file import load_world
+from atlas_drake.scenario.world_file import World, load_world
+from atlas_drake.units import Meters, unit_of
 
 LEAVES = (
     st.none()
@@ -121,10 +127,10 @@ def test_a_file_without_fields_is_refused(load, text, tmp_path):
 class Inner(Configuration):
     """A part with a default of its own."""
 
-    size: Positive = 1.0
-    """How large [m]."""
-    reach: Range = LeastGreatest(0.0, 1.0)
-    """From where to where [rad]."""
+    size: Positive[Meters] = 1.0
+    """How large."""
+    reach: Annotated[Range, Unit("rad")] = LeastGreatest(0.0, 1.0)
+    """From where to where."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -195,6 +201,28 @@ def test_what_cannot_be_used_is_named_with_its_value(fields, field, words):
 
 def test_the_text_of_a_field_stands_below_it():
     assert trailing_strings(Inner) == {
-        "size": "How large [m].",
-        "reach": "From where to where [rad].",
+        "size": "How large.",
+        "reach": "From where to where.",
     }
+    assert trailing_strings(types.SimpleNamespace) == {}  # Has no source in Python.
+
+
+def configurations(cls=Configuration):
+    """The package's dataclasses that files are read into."""
+    for kind in cls.__subclasses__():
+        yield from configurations(kind)
+        if dataclasses.is_dataclass(kind) and kind.__module__.startswith("atlas_drake"):
+            yield kind
+
+
+def has_number(kind):
+    return kind is float or any(map(has_number, typing.get_args(kind)))
+
+
+def test_every_number_has_a_unit():
+    kinds = set(configurations()) - {Threshold}  # Its unit is that of what it searches.
+    assert {ControllerConfig, Scenario, World, RobotFile, Campaign} <= kinds
+    for kind in kinds:
+        for name, annotation in fields_of(kind).items():
+            if has_number(annotation):
+                assert unit_of(annotation), f"{kind.__name__}.{name} has no unit"

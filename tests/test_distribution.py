@@ -1,6 +1,9 @@
 """The distributions are complete: a wheel from the sources has all modules and runs."""
 
+import compileall
+import json
 import os
+import shutil
 import site
 import subprocess
 import sys
@@ -10,6 +13,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+
+from atlas_drake.cockpit.fields import scenario_fields
+from atlas_drake.config import as_plain
+from atlas_drake.scenario import Scenario
 
 ROOT = Path(__file__).parents[1]
 LINKED = ("diagrams", "models")
@@ -59,3 +66,34 @@ def test_a_wheel_from_the_source_distribution_begins_the_tutorial(tmp_path):
     demo = [str(fresh / "bin" / "atlas-drake"), "demo", "--headless"]
     out = run(*demo, "--set", "duration=0.1", **clean)
     assert "Success: the robot is upright after 0.1 s" in out
+
+
+WITHOUT_SOURCES = """
+import json
+from atlas_drake import config
+from atlas_drake.cockpit.fields import settings_of
+from atlas_drake.config import as_plain
+from atlas_drake.scenario import Scenario
+
+assert config.__file__.endswith(".pyc")
+scenario = Scenario(model="{robot}").resolved()
+fields = settings_of(scenario, "")["fields"]
+units = {{one["path"]: one["unit"] for one in fields}}
+print(json.dumps([as_plain(scenario.controller), units]))
+"""
+
+
+@pytest.mark.slow
+def test_compiled_files_alone_scale_every_value_and_fill_the_cockpit(tmp_path):
+    """Frozen programs have no sources, in which texts of fields stand."""
+    package = tmp_path / "atlas_drake"
+    shutil.copytree(ROOT / "atlas_drake", package)
+    compileall.compile_dir(package, quiet=2, legacy=True)
+    for source in package.rglob("*.py"):
+        source.unlink()
+    robot = ROOT / "tests/robots/heron/heron.yaml"
+    program = WITHOUT_SOURCES.format(robot=robot)
+    out = run(sys.executable, "-c", program, cwd=tmp_path)
+    scenario = Scenario(model=str(robot)).resolved()
+    units = {one["path"]: one["unit"] for one in scenario_fields(scenario)}
+    assert json.loads(out) == [as_plain(scenario.controller), units]

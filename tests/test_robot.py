@@ -242,7 +242,7 @@ def test_defaults_are_filled_in(spoil):
     assert file.imu_frame == file.pelvis
     lines = ("pushed: [pelvis, utorso, head, l_hand, r_hand]\n", "")
     file = load_robot(spoil(lines)).file
-    assert file.pushed == ["pelvis", "utorso", "l_hand", "r_hand"]
+    assert file.pushed == ["pelvis", "trunk", "l_hand", "r_hand"]
 
 
 def test_message_order_is_the_descriptions(spoil):

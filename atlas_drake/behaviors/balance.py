@@ -49,20 +49,21 @@ from atlas_drake.messages.controller_status import MAX_CORNERS
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
+from atlas_drake.units import Meters, NewtonMeters
 
 
 @dataclass(frozen=True)
 class StanceConfig(Configuration):
     """How the robot stands."""
 
-    width: Positive = STANCE_WIDTH
-    """Distance between the soles' middles of feet side by side [m]."""
-    com_drop: NotNegative = 0.02
-    """Lowering of the center of mass in standing and walking below the stand-prep pose
-    [m]: bent knees give the trailing leg its reach."""
-    balance_effort: NotNegative = 15.0
+    width: Positive[Meters] = STANCE_WIDTH
+    """Distance between the soles' middles of feet side by side."""
+    com_drop: NotNegative[Meters] = 0.02
+    """Lowering of the center of mass in standing and walking below the stand-prep pose:
+    bent knees give the trailing leg its reach."""
+    balance_effort: NotNegative[NewtonMeters] = 15.0
     """Effort that a behavior must be able to apply at hip pitch and ankle pitch of a
-    leg to balance with the leg [N·m]."""
+    leg to balance with the leg."""
 
 
 class FootCommand(NamedTuple):

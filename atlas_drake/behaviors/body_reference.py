@@ -14,25 +14,25 @@ import numpy as np
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.rotations import orientation, tilt_of, wrap_angle, yaw_of
+from atlas_drake.units import MetersPerSecond, RadiansPerSecond, Seconds
 
 
 @dataclass(frozen=True)
 class BodyRates(Configuration):
     """Speed limits of the reference of trunk and posture."""
 
-    joints: NotNegative = 0.6
-    """Speed of each joint [rad/s]."""
-    tilt: NotNegative = 0.3
-    """Speed of roll and pitch of pelvis and chest [rad/s]."""
-    yaw: NotNegative = 1.2
-    """Speed of the heading [rad/s]."""
-    height: NotNegative = 0.12
-    """Speed of the height of the center of mass [m/s]."""
-    lead: NotNegative = 0.5
-    """Speed at which the lead that pelvis and arms follow comes to that of the feet
-    [m/s]."""
-    easing: Positive = 0.1
-    """Time in which height and heading reach their speed, and slow down again [s]."""
+    joints: NotNegative[RadiansPerSecond] = 0.6
+    """Speed of each joint."""
+    tilt: NotNegative[RadiansPerSecond] = 0.3
+    """Speed of roll and pitch of pelvis and chest."""
+    yaw: NotNegative[RadiansPerSecond] = 1.2
+    """Speed of the heading."""
+    height: NotNegative[MetersPerSecond] = 0.12
+    """Speed of the height of the center of mass."""
+    lead: NotNegative[MetersPerSecond] = 0.5
+    """Speed at which the lead that pelvis and arms follow comes to that of the feet."""
+    easing: Positive[Seconds] = 0.1
+    """Time in which height and heading reach their speed, and slow down again."""
 
 
 @dataclass(frozen=True)

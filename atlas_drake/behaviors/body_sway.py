@@ -15,6 +15,7 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
+from atlas_drake.units import Meters, RadiansPerMeter, Ratio
 
 LEAST_LEVER = 0.2
 """Least lever of an arm's joints about its hand, in heights of the center of mass, with
@@ -25,14 +26,12 @@ which the hand keeps up [-]: a stretched arm cannot reach further ahead."""
 class BodySway(Configuration):
     """Swing of pelvis and arms."""
 
-    pelvis: NotNegative = 0.3
-    """Turn of the pelvis toward the leading foot per distance by which it leads
-    [rad/m]."""
-    arms: NotNegative = 0.3
-    """Way of a hand ahead per distance by which the foot of the other side leads
-    [-]."""
-    most_lead: Positive = 0.4
-    """Distance by which a foot leads up to which both grow [m]."""
+    pelvis: NotNegative[RadiansPerMeter] = 0.3
+    """Turn of the pelvis toward the leading foot per distance by which it leads."""
+    arms: NotNegative[Ratio] = 0.3
+    """Way of a hand ahead per distance by which the foot of the other side leads."""
+    most_lead: Positive[Meters] = 0.4
+    """Distance by which a foot leads up to which both grow."""
 
 
 def arm_swing(robot: Robot, arms: float) -> np.ndarray:

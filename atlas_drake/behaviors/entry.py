@@ -22,18 +22,19 @@ from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
+from atlas_drake.units import Meters, RadiansPerSecond
 
 
 @dataclass(frozen=True)
 class EntryLimits(Configuration):
     """Limits within which STAND can take over."""
 
-    com_inside: NotNegative = 0.01
-    """Least distance of the CoM from the edge of the support polygon, inside it [m]."""
-    dcm_inside: NotNegative = 0.03
-    """Least distance of the DCM from the edge of the support polygon, inside it [m]."""
-    joint_speed: NotNegative = 4.0
-    """Largest speed of any joint that STAND takes over [rad/s]."""
+    com_inside: NotNegative[Meters] = 0.01
+    """Least distance of the CoM from the edge of the support polygon, inside it."""
+    dcm_inside: NotNegative[Meters] = 0.03
+    """Least distance of the DCM from the edge of the support polygon, inside it."""
+    joint_speed: NotNegative[RadiansPerSecond] = 4.0
+    """Largest speed of any joint that STAND takes over."""
 
 
 @dataclass(frozen=True)

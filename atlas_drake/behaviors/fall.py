@@ -10,16 +10,17 @@ from dataclasses import dataclass
 
 from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.units import Radians
 
 
 @dataclass(frozen=True)
 class FallLimits(Configuration):
     """Limits of the posture beyond which the robot counts as falling."""
 
-    tilt: NotNegative = 0.8
-    """Angle of the pelvis' z axis from the vertical [rad]."""
+    tilt: NotNegative[Radians] = 0.8
+    """Angle of the pelvis' z axis from the vertical."""
     height: Share = 0.6
-    """Height of the CoM above the lower sole, relative to the nominal height [-]."""
+    """Height of the CoM above the lower sole, relative to the nominal height."""
 
 
 @dataclass(frozen=True)

@@ -16,19 +16,20 @@ from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.units import PerAngularAccelerationSquared
 
 
 @dataclass(frozen=True)
 class FreezeConfig(Configuration):
     """Parameters of FREEZE."""
 
-    stiffness_weight: NotNegative = 0.1
-    """Weight of holding each joint in the QP, equal for all joints [1/(rad/s²)²]. From
-    0.3 on the soles' small motions come back as contact forces at every tick, until
-    the soles flutter and slide; at 0.05 the cost of contact forces makes a robot with
-    staggered feet sag."""
+    stiffness_weight: NotNegative[PerAngularAccelerationSquared] = 0.1
+    """Weight of holding each joint in the QP, equal for all joints. From 0.3 on the
+    soles' small motions come back as contact forces at every tick, until the soles
+    flutter and slide; at 0.05 the cost of contact forces makes a robot with staggered
+    feet sag."""
     contact_force: Share = 0.02
-    """A sole that carries this share of the weight counts as on the ground [-]."""
+    """A sole that carries this share of the weight counts as on the ground."""
 
 
 @dataclass(frozen=True)

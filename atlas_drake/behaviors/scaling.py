@@ -16,11 +16,12 @@ from __future__ import annotations
 
 import functools
 import re
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
-from atlas_drake.config import LeastGreatest, unit_of
+from atlas_drake.config import LeastGreatest, fields_of
 from atlas_drake.robot import Size
+from atlas_drake.units import unit_of
 
 _T = TypeVar("_T")
 
@@ -68,7 +69,7 @@ def scaled(defaults: _T, size: Size) -> _T:
     """Returns a configuration with Atlas' values scaled to a robot of another size.
 
     Args:
-        defaults: The configuration; each field's unit is in the text below it.
+        defaults: The configuration; each field's unit is in its annotation.
         size: Of the robot.
     """
     h = size.height / ATLAS.height
@@ -84,9 +85,8 @@ def scaled(defaults: _T, size: Size) -> _T:
     def scale(value: Any, outer: str) -> Any:
         """Scales the fields of a dataclass whose own field has the unit ``outer``."""
         changed: dict[str, Any] = {}
-        for name in (field.name for field in fields(value)):
-            unit = unit_of(type(value), name)
-            part = getattr(value, name)
+        for name, kind in fields_of(value.__class__).items():
+            unit, part = unit_of(kind), getattr(value, name)
             if is_dataclass(part):
                 changed[name] = scale(part, unit or outer)
             elif unit:

@@ -26,6 +26,7 @@ from atlas_drake.config import (
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import Seed
+from atlas_drake.units import Seconds
 
 METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")
 PARAMETERS = "parameters."
@@ -47,7 +48,10 @@ _CONDITION = re.compile(
 
 @dataclass(frozen=True)
 class Threshold(Configuration):
-    """A search for the largest value under which the robot still succeeds."""
+    """A search for the largest value under which the robot still succeeds.
+
+    Numbers have the unit of the value.
+    """
 
     of: Annotated[str, MinLen(1)]
     """Path of the value, such as ``pushes[0].impulse``."""
@@ -55,7 +59,7 @@ class Threshold(Configuration):
     """Smallest value; not tried, because success is assumed."""
     max: float = 100.0
     """Largest value tried."""
-    step: Positive = 10.0
+    step: Positive[float] = 10.0
     """Step between the values tried, from ``min`` up."""
     replicas: Annotated[int, Ge(1)] = 5
     """Trials of each value; all values have the same seeds."""
@@ -123,8 +127,8 @@ class Campaign(CheckedOnce):
     fresh: bool = False
     """Builds the simulation anew for each trial: for controllers that keep state
     outside Drake's Context."""
-    trial_timeout: NotNegative = 0.0
-    """Wall time after which a trial is ended and has failed [s]; 0 for no limit."""
+    trial_timeout: NotNegative[Seconds] = 0.0
+    """Wall time after which a trial is ended and has failed; 0 for no limit."""
     threshold: Threshold | None = None
     """Search for the largest value with success, in place of independent trials."""
     goal: Share | None = None

@@ -12,6 +12,7 @@ from pydrake.multibody.tree import Frame
 
 from atlas_drake.cockpit.fields import param_fields
 from atlas_drake.cockpit.frame import shown_event
+from atlas_drake.config import fields_of
 from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.logs import Log
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
@@ -24,10 +25,9 @@ from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.tutorial import STEPS
+from atlas_drake.units import unit_of
 from atlas_drake.visualization.overlays import OVERLAYS, logged_overlays
 
-GAIT_UNITS = {"stride": "m", "turn": "rad", "duration": "s", "swing_height": "m"}
-"""The settings of a gait that the page offers, and their units."""
 PELVIS = tuple(
     field.name for field in dataclasses.fields(AtlasBehaviorPelvisServoParams)
 )
@@ -47,7 +47,7 @@ def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
         "title": sim.scenario.name,
         "gait": _gait(config.gait()),
         "pelvis": _pelvis(config.manipulate.range, sim.robot.pelvis_height),
-        "pushed": list(sim.robot.file.pushed),
+        "pushed": [sim.robot.pushed_link(name) for name in sim.robot.file.pushed],
         "overlays": dict(OVERLAYS),
         "columns": columns_of(sim.schema, sim.record),
         "steps": [step._asdict() for step in steps],
@@ -151,15 +151,16 @@ def _behavior(entry: BehaviorInterface) -> dict[str, Any]:
     }
 
 
-def _range(low: float, high: float, step: float, unit: str, usual: float) -> Any:
+def _range(low: float, high: float, step: float, unit: Any, usual: float) -> Any:
     return {"low": low, "high": high, "step": step, "unit": unit, "usual": usual}
 
 
 def _gait(gait: Gait) -> dict[str, Any]:
+    kinds = fields_of(Gait)
     return {
-        name: _range(low, high, 0.01, GAIT_UNITS[name], getattr(gait, name))
+        name: _range(low, high, 0.01, unit_of(kinds[name]), getattr(gait, name))
         for name, low, high in gait.bounds()
-        if name in GAIT_UNITS
+        if name != "stride_change"
     }
 
 
@@ -168,14 +169,14 @@ def _pelvis(allowed: PelvisRange, upright: float) -> dict[str, Any]:
 
     The usual height is that of the stand-prep pose [m], all else is 0.
     """
-    ranges = {}
+    ranges, kinds = {}, fields_of(PelvisRange)
     for name in PELVIS:
-        known: Any = getattr(allowed, name.removeprefix("pelvis_"), None)
+        field = name.removeprefix("pelvis_")
+        known: Any = getattr(allowed, field, None)
         low, high = known or (-COM_SHIFT, COM_SHIFT)
-        unit, usual = ("rad" if known else "m"), 0.0
-        if name == "pelvis_height":
-            low, high = upright + low, upright + high
-            unit, usual = "m", upright
+        unit, usual = unit_of(kinds.get(field, kinds["com"])), 0.0
+        if field == "height":
+            low, high, usual = upright + low, upright + high, upright
         ranges[name] = _range(float(low), float(high), 0.005, unit, usual)
     return ranges
 

@@ -6,8 +6,6 @@ behavior.
 
 from __future__ import annotations
 
-import dataclasses
-import re
 import types
 import typing
 from collections.abc import Collection, Iterable, Iterator
@@ -17,11 +15,12 @@ from typing import Annotated, Any
 from annotated_types import Ge, Gt, Interval, Le, Lt
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.config import as_plain, joined, trailing_strings
+from atlas_drake.config import as_plain, fields_of, joined, trailing_strings
 from atlas_drake.robot.load import available_robots, imported_robots
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import is_of_a_run, usual_of
 from atlas_drake.scenario.world_file import available_worlds
+from atlas_drake.units import unit_of
 
 NOT_LISTED = (
     "name",
@@ -38,7 +37,6 @@ NOT_LISTED = (
 """Paths that are no settings of the list, with all below them."""
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenarios"
 """Scenarios beside the package; an installed package has none."""
-_UNIT = re.compile(r"\[([^\[\]]+)\]")
 
 
 def settings_of(scenario: Scenario, why_not: str) -> dict[str, Any]:
@@ -85,11 +83,11 @@ def param_fields(kind: type) -> list[dict[str, Any]]:
 
 
 def _within(
-    kind: type, value: Any, usual: Any, path: str, left_out: Collection[str]
+    kind: Any, value: Any, usual: Any, path: str, left_out: Collection[str]
 ) -> Iterator[dict[str, Any]]:
     """Lists the fields of a value of some kind, whose path is given."""
-    told = trailing_strings(kind) if dataclasses.is_dataclass(kind) else {}
-    for name, declared in _declared(kind):
+    told = trailing_strings(kind)
+    for name, declared in fields_of(kind).items():
         place = joined(path, name)
         if place in left_out:
             continue
@@ -97,21 +95,10 @@ def _within(
         known = usual.get(name) if isinstance(usual, dict) else None
         if place == "controller":
             declared = ControllerConfig
-        if _is_structure(type(inner)):
-            yield from _within(type(inner), inner, known, place, left_out)
+        if fields_of(inner.__class__):
+            yield from _within(inner.__class__, inner, known, place, left_out)
         else:
             yield _field(place, declared, as_plain(inner), known, told.get(name, ""))
-
-
-def _declared(kind: type) -> Iterable[tuple[str, Any]]:
-    if dataclasses.is_dataclass(kind):
-        hints = typing.get_type_hints(kind, include_extras=True)
-        return [(one.name, hints[one.name]) for one in dataclasses.fields(kind)]
-    return [(one.name, one.type) for one in kind.__fields__]  # type: ignore[attr-defined]
-
-
-def _is_structure(kind: type) -> bool:
-    return dataclasses.is_dataclass(kind) or hasattr(kind, "__fields__")
 
 
 def _field(
@@ -124,13 +111,13 @@ def _field(
         if typing.get_origin(part) is typing.Literal
         for choice in typing.get_args(part)
     ]
-    units = _UNIT.findall(text)
+    unit = unit_of(declared)
     return {
         "path": path,
         "value": text_of(value),
         "usual": text_of(usual),
         "text": " ".join(text.replace("``", "").split()),
-        "unit": units[-1] if units and units[-1] != "-" else "",
+        "unit": unit if unit and unit != "-" else "",
         "kind": "choice" if choices else _kind(value),
         "bounds": bounds_in_words(parts),
         "choices": choices,

@@ -8,134 +8,146 @@ that uses the values is elsewhere.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Unit
 
 from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.units import (
+    Meters,
+    PerAngularAccelerationSquared,
+    PerSecond,
+    PerSecondSquared,
+    Radians,
+    Ratio,
+)
+
+PerAccelerationSquared = Annotated[float, Unit("1/(m/s²)²")]
+PerNewtonSquared = Annotated[float, Unit("1/N²")]
+PerNewtonMeterSquared = Annotated[float, Unit("1/(N·m)²")]
 
 
 @dataclass(frozen=True)
 class PdGains(Configuration):
     """Stiffness and damping of a task, per unit of inertia."""
 
-    kp: NotNegative
-    """Stiffness [1/s²]."""
-    kd: NotNegative
-    """Damping [1/s]."""
+    kp: NotNegative[PerSecondSquared]
+    """Stiffness."""
+    kd: NotNegative[PerSecond]
+    """Damping."""
 
 
 @dataclass(frozen=True)
 class QpWeights(Configuration):
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
-    com: NotNegative = 30.0
-    """Center of mass, horizontal, through the contact forces [1/(m/s²)²]."""
-    com_height: NotNegative = 60.0
-    """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
-    knee is at its limit, the robot gives up height before balance."""
-    com_height_quick: NotNegative = 8.0
-    """The same in quick level steps of WALK (``walk.rules.quick_step``)
-    [1/(m/s²)²]. A long stride lowers the center of mass over the straight trailing leg;
-    to raise it at once at lift-off throws the robot up, and it flies above 0.8 m/s."""
-    moment: NotNegative = 70.0
+    com: NotNegative[PerAccelerationSquared] = 30.0
+    """Center of mass, horizontal, through the contact forces."""
+    com_height: NotNegative[PerAccelerationSquared] = 60.0
+    """Height of the center of mass. Below the weight of the moment: where a knee is at
+    its limit, the robot gives up height before balance."""
+    com_height_quick: NotNegative[PerAccelerationSquared] = 8.0
+    """The same in quick level steps of WALK (``walk.rules.quick_step``). A long stride
+    lowers the center of mass over the straight trailing leg; to raise it at once at
+    lift-off throws the robot up, and it flies above 0.8 m/s."""
+    moment: NotNegative[PerAccelerationSquared] = 70.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
-    their sum passes through the center of pressure that balance asks for
-    [1/(m/s²)²]."""
-    pelvis_orientation: NotNegative = 2.0
-    """Orientation of the pelvis [1/(rad/s²)²]."""
-    chest_orientation: NotNegative = 0.2
-    """Orientation of the chest [1/(rad/s²)²]."""
-    stance_foot: NotNegative = 50.0
-    """Stance feet keep still [1/(m/s²)²]."""
-    swing_foot_position: NotNegative = 8.0
-    """Position of the swing foot [1/(m/s²)²]. Far below the weight of the CoM's height:
-    a high swing begins with an almost straight knee, and a heavier foot lifts off with
-    the pelvis, which throws the robot up and ahead."""
-    swing_foot_orientation: NotNegative = 10.0
-    """Orientation of the swing foot [1/(rad/s²)²]."""
-    contact_force: Positive = 1e-6
-    """Contact forces: spreads the load over the feet [1/N²]."""
-    contact_moment: Positive = 1e-4
-    """Contact moments: keeps the center of pressure near the middle of each sole
-    [1/(N·m)²]."""
-    internal_contact_force: NotNegative = 3e-5
+    their sum passes through the center of pressure that balance asks for."""
+    pelvis_orientation: NotNegative[PerAngularAccelerationSquared] = 2.0
+    """Orientation of the pelvis."""
+    chest_orientation: NotNegative[PerAngularAccelerationSquared] = 0.2
+    """Orientation of the chest."""
+    stance_foot: NotNegative[PerAccelerationSquared] = 50.0
+    """Stance feet keep still."""
+    swing_foot_position: NotNegative[PerAccelerationSquared] = 8.0
+    """Position of the swing foot. Far below the weight of the CoM's height: a high
+    swing begins with an almost straight knee, and a heavier foot lifts off with the
+    pelvis, which throws the robot up and ahead."""
+    swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 10.0
+    """Orientation of the swing foot."""
+    contact_force: Positive[PerNewtonSquared] = 1e-6
+    """Contact forces: spreads the load over the feet."""
+    contact_moment: Positive[PerNewtonMeterSquared] = 1e-4
+    """Contact moments: keeps the center of pressure near the middle of each sole."""
+    internal_contact_force: NotNegative[PerNewtonSquared] = 3e-5
     """Internal contact force: horizontal forces of the feet against each other. Large
     enough to prevent them where they have no use, small enough to allow them where
-    knees at their limit need them [1/N²]."""
-    internal_contact_moment: NotNegative = 1e-3
+    knees at their limit need them."""
+    internal_contact_moment: NotNegative[PerNewtonMeterSquared] = 1e-3
     """Internal contact moment: moments of the feet against each other about the
-    vertical [1/(N·m)²]."""
-    least_posture: Positive = 1e-5
+    vertical."""
+    least_posture: Positive[PerAngularAccelerationSquared] = 1e-5
     """Least weight of a joint's posture, whatever the user's share: keeps the QP well
-    posed, far below any task [1/(rad/s²)²]."""
-    user_yielding: NotNegative = 100.0
+    posed, far below any task."""
+    user_yielding: NotNegative[Ratio] = 100.0
     """Factor by which the posture of a joint weighs less at the user's full share than
-    at none, before it fades to zero [-]. Any weight holds the posture of a joint that
-    no other task moves; when the user moves the joint fast, a large weight would make
-    the whole body work against the user."""
+    at none, before it fades to zero. Any weight holds the posture of a joint that no
+    other task moves; when the user moves the joint fast, a large weight would make the
+    whole body work against the user."""
 
 
 @dataclass(frozen=True)
 class ContactModel(Configuration):
     """Contact of each sole with the ground, as the controller assumes it."""
 
-    friction: Positive = 0.5
+    friction: Positive[Ratio] = 0.5
     """Friction coefficient assumed by the QP; lower than that of the intended grounds,
     as a reserve."""
-    length_margin: NotNegative = 0.015
-    """Width of the strip at toe and heel that is closed to the center of pressure
-    [m]."""
-    width_margin: NotNegative = 0.010
-    """Width of the strip at both sides that is closed to the center of pressure [m]."""
-    toes: Positive = 0.03
-    """Length of the strip that carries a foot on its toes, or on its heel [m]."""
-    middle: Positive = 0.01
-    """Half the side of the square that counts as the middle of a sole [m]: a point, but
+    length_margin: NotNegative[Meters] = 0.015
+    """Width of the strip at toe and heel that is closed to the center of pressure."""
+    width_margin: NotNegative[Meters] = 0.010
+    """Width of the strip at both sides that is closed to the center of pressure."""
+    toes: Positive[Meters] = 0.03
+    """Length of the strip that carries a foot on its toes, or on its heel."""
+    middle: Positive[Meters] = 0.01
+    """Half the side of the square that counts as the middle of a sole: a point, but
     with room for the solver's tolerance."""
-    yaw_moment_arm: NotNegative = 0.05
-    """Greatest moment about the normal, as a lever arm of the friction force [m]."""
-    unloaded_share: Positive = 0.1
+    yaw_moment_arm: NotNegative[Meters] = 0.05
+    """Greatest moment about the normal, as a lever arm of the friction force."""
+    unloaded_share: Positive[Ratio] = 0.1
     """Normal force that the QP may count on below a planted sole on which no force is
-    measured, in weights of the robot [-]. Efforts that count on a ground that is not
-    there spin the light foot by tens of rad/s within a few ticks."""
-    load_growth: Positive = 1.5
-    """Normal force that the QP may count on beyond that, relative to the measured one
-    [-]: a sole is trusted with the full weight after four ticks."""
-    level: NotNegative = 0.004
-    """A corner of a sole that is farther than this from the planned ground is not down
-    [m]."""
-    explored: Positive = 0.015
+    measured, in weights of the robot. Efforts that count on a ground that is not there
+    spin the light foot by tens of rad/s within a few ticks."""
+    load_growth: Positive[Ratio] = 1.5
+    """Normal force that the QP may count on beyond that, relative to the measured one:
+    a sole is trusted with the full weight after four ticks."""
+    level: NotNegative[Meters] = 0.004
+    """A corner of a sole that is farther than this from the planned ground is not
+    down."""
+    explored: Positive[Meters] = 0.015
     """Distance from where the center of pressure has been up to which a sole that is
-    not down as a whole is counted on [m]."""
-    least_felt: NotNegative = 0.05
-    """Load of a sole from which its center of pressure counts, in weights of the robot
-    [-]."""
-    turned: NotNegative = 0.03
-    """Turn of a sole from which other places of it carry than before [rad]."""
-    moved: NotNegative = 0.05
-    """Distance of a sole from where it landed from which it stands elsewhere [m]."""
-    full_load: Positive = 3.0
-    """Upper bound of the normal force on one sole, in weights of the robot [-]."""
+    not down as a whole is counted on."""
+    least_felt: NotNegative[Ratio] = 0.05
+    """Load of a sole from which its center of pressure counts, in weights of the
+    robot."""
+    turned: NotNegative[Radians] = 0.03
+    """Turn of a sole from which other places of it carry than before."""
+    moved: NotNegative[Meters] = 0.05
+    """Distance of a sole from where it landed from which it stands elsewhere."""
+    full_load: Positive[Ratio] = 3.0
+    """Upper bound of the normal force on one sole, in weights of the robot."""
 
 
 @dataclass(frozen=True)
 class JointLimitGains(Configuration):
     """Bounds on joint accelerations that keep joint positions within their limits."""
 
-    kp: NotNegative = 400.0
-    """[1/s²]"""
-    kd: NotNegative = 40.0
-    """[1/s]"""
-    margin: NotNegative = 0.02
-    """Distance kept from each end stop [rad]."""
+    kp: NotNegative[PerSecondSquared] = 400.0
+    """Stiffness."""
+    kd: NotNegative[PerSecond] = 40.0
+    """Damping."""
+    margin: NotNegative[Radians] = 0.02
+    """Distance kept from each end stop."""
 
 
 @dataclass(frozen=True)
 class MomentumGains(Configuration):
     """Use of angular momentum where the CoP does not suffice."""
 
-    dead_zone: NotNegative = 0.03
-    """Distance of the desired CoP outside the support polygon that needs none [m]."""
-    largest_shift: NotNegative = 0.06
-    """Largest distance of the centroidal moment pivot from the CoP [m]."""
+    dead_zone: NotNegative[Meters] = 0.03
+    """Distance of the desired CoP outside the support polygon that needs none."""
+    largest_shift: NotNegative[Meters] = 0.06
+    """Largest distance of the centroidal moment pivot from the CoP."""
 
 
 @dataclass(frozen=True)
@@ -150,24 +162,24 @@ class ControlGains(Configuration):
     com_height_quick: PdGains = PdGains(kp=20.0, kd=7.0)
     """The same in quick level steps of WALK: stiffer ones throw the robot up after each
     landing."""
-    dcm_gain: NotNegative = 2.0
+    dcm_gain: NotNegative[Ratio] = 2.0
     """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
-    error of the DCM [-]."""
+    error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
     """Angular momentum, while the balance is being saved."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
-    stance_foot_damping: NotNegative = 10.0
-    """[1/s]"""
+    stance_foot_damping: NotNegative[PerSecond] = 10.0
+    """Damping of a foot that carries load, per unit of inertia."""
     swing_position: PdGains = PdGains(kp=200.0, kd=28.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
-    leg_posture_weight: NotNegative = 0.02
-    """Of a leg on the ground [-]."""
-    swing_leg_posture_weight: NotNegative = 0.005
+    leg_posture_weight: NotNegative[Ratio] = 0.02
+    """Of a leg on the ground."""
+    swing_leg_posture_weight: NotNegative[Ratio] = 0.005
     """Of a leg whose foot is in the air: at lift-off its almost straight knee has to
     bend at once, and a heavier posture would throw the pelvis up instead."""
-    back_posture_weight: NotNegative = 0.1
-    """Of the back [-]."""
-    arm_posture_weight: NotNegative = 2.0
-    """Of an arm [-]."""
+    back_posture_weight: NotNegative[Ratio] = 0.1
+    """Of the back."""
+    arm_posture_weight: NotNegative[Ratio] = 2.0
+    """Of an arm."""

@@ -14,6 +14,7 @@ import numpy as np
 import yaml
 from pydrake.math import RotationMatrix
 
+from atlas_drake.atomic_write import atomic_write
 from atlas_drake.errors import printable
 from atlas_drake.importing.anatomy import Anatomy
 from atlas_drake.importing.elements import DRAKE, GEAR_RATIO, ROTOR_INERTIA
@@ -38,6 +39,8 @@ edited."""
 SOLES = ("l_sole_frame", "r_sole_frame")
 UPRIGHT = "chest_upright_frame"
 """Frame of the chest, parallel to the pelvis with all joints at zero."""
+EXAMPLE = "# controller: {walk: {limits: {forward: 0.3}}}"
+"""Line of a robot's file below which values of its controller stand."""
 CONTACT_RADIUS = 0.005
 """Radius of the balls at the corners of each sole [m]."""
 
@@ -275,15 +278,13 @@ def write_yaml(
         for foot in file.feet
     ]
     lines.append(f"sole: {{length: {length:.4f}, width: {width:.4f}}}")
-    if file.pushed:
-        lines.append(f"pushed: [{', '.join(map(_name, file.pushed))}]")
     if file.no_collisions:
         lines.append("no_collisions: # Their shapes overlap.")
         lines += [f"- [{_name(a)}, {_name(b)}]" for a, b in file.no_collisions]
     lines.append(
         "# The controller's values scale with the robot; others go here, as in"
     )
-    lines.append("# controller: {walk: {limits: {forward: 0.3}}}")
+    lines.append(EXAMPLE)
     lines.append("# kp [N·m/rad] and kd [N·m·s/rad] are in force before any command;")
     lines.append("# stand_prep [rad] is the pose from which STAND can begin.")
     lines.append("joints:")
@@ -295,6 +296,15 @@ def write_yaml(
     path = folder / YAML
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
+
+
+def write_controller(path: Path, values: Mapping[str, Any], why: str) -> None:
+    """Adds values of the controller to a file of ``write_yaml``."""
+    added = yaml.safe_dump({"controller": values}, default_flow_style=None)
+    text = path.read_text(encoding="utf-8")
+    text = text.replace(EXAMPLE, f"{EXAMPLE}\n# {why}\n{added.rstrip()}", 1)
+    with atomic_write(path) as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def _name(text: str) -> str:

@@ -142,7 +142,6 @@ def _robot_file(tree: Tree, anatomy: Anatomy, soles: Soles) -> RobotFile:
             for foot, sole in zip(anatomy.feet, SOLES, strict=True)
         ],
         sole=SoleSize(length=soles.length, width=soles.width),
-        pushed=list(dict.fromkeys([*anatomy.hands, anatomy.pelvis, anatomy.chest])),
         joints=[
             JointEntry(name=name, limb=limb)  # type: ignore[arg-type]
             for name, limb in anatomy.limbs.items()

@@ -12,7 +12,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.diagrams.film import photograph
-from atlas_drake.importing.files import PICTURE
+from atlas_drake.importing.files import PICTURE, YAML
 from atlas_drake.importing.findings import GUESSED, LOST, REPAIRED, Findings
 from atlas_drake.importing.trial import NEAR_LIMIT, PUSH_DURATION, Trial
 from atlas_drake.logs import read_log
@@ -80,11 +80,11 @@ def write_page(trial: Trial, robot: Robot, findings: Findings, path: Path) -> No
         "| --- | --- |",
         *(f"| {name} | {value} |" for name, value in results(trial)),
         "",
-        f"Pushes change the robot's speed within {PUSH_DURATION:g} s, at "
-        f"`{robot.file.pushed[-1]}`; the robot bears one if it stands in the end.",
+        f"Pushes change the robot's speed within {PUSH_DURATION:g} s, at its trunk "
+        f"(`{robot.trunk}`); the robot bears one if it stands in the end.",
         "",
     ]
-    if trial.near_limit:
+    if trial.near_limit and trial.walks:
         lines += [
             f"Joints that reached {NEAR_LIMIT:.0%} of their effort limit while the "
             "robot stood and walked; those of the legs bound its speed:",
@@ -110,11 +110,16 @@ def results(trial: Trial) -> list[tuple[str, str]]:
 
     found = [("stands", yes(trial.stands))]
     if trial.stands:
-        steps = f"{trial.stride:.3f} m in {trial.duration:.2f} s"
         landing = ""
         if math.isfinite(trial.landing):
             landing = f", feet within {1e3 * trial.landing:.0f} mm"
-        found.append((f"walks, steps of {steps}", yes(trial.walks) + landing))
+        found.append((f"walks, {trial.steps}", yes(trial.walks) + landing))
+    if trial.bound:
+        found.append(("what bounds it", trial.bound))
+        gentler = f"it walks with {trial.gentler} ones; {YAML} has their values"
+        if not trial.gentler:
+            gentler = f"it does not walk with {'; '.join(trial.failed)} ones either"
+        found.append(("gentler steps", gentler))
     if trial.strides:
         found.append(
             ("strides", ", ".join(f"{stride:.2f} m" for stride in trial.strides))

@@ -11,16 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from atlas_drake.behaviors.scaling import ATLAS
-from atlas_drake.messages import Behavior
-from atlas_drake.planning.footstep_planner import steps_ahead
-from atlas_drake.planning.step_stream import StepStream
+from atlas_drake.importing.files import write_controller
+from atlas_drake.importing.gentler import find_gentler, what_bounds
+from atlas_drake.importing.motions import LONGEST, PIECE, SETTLES, advance, stands, walk
+from atlas_drake.robot import TRUNK
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
 
-STANDS, STEPS = 5.0, 6
-"""Time of standing [s], and number of steps, of the first trial."""
-SETTLES = 1.5
-"""Time in which a robot stands before a trial, and after a push [s]."""
+STANDS = 5.0
+"""Time of standing in the first trial [s]."""
 PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
 """Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
 [s]."""
@@ -32,11 +31,8 @@ DIRECTIONS = {
     "left": (0.0, 1.0),
     "right": (0.0, -1.0),
 }
-LONGEST = 12.0
-"""A robot that does not stand again by then never will [s]."""
 NEAR_LIMIT = 0.9
 """Share of its effort limit from which a joint is near it [-]."""
-PIECE = 0.05
 
 
 @dataclass
@@ -45,7 +41,7 @@ class Trial:
 
     Attributes:
         stands: Whether it stood on its feet.
-        walks: Whether it took all steps and stood again.
+        walks: Whether it took all steps, to their places, and stood again.
         landing: Largest distance of a landed foot from its place [m].
         pushed: Whether it bore the first push.
         near_limit: Peak share of its effort limit, by joint, while standing and
@@ -57,6 +53,9 @@ class Trial:
         events: Texts of warnings and falls.
         moments: Times in the log of standing and of a swing [s].
         real_time: Simulated time per wall time of the first trial [-].
+        bound: What bounds a robot that does not walk with its usual gait, in words.
+        gentler: Steps with which such a robot walks, in words; empty if with none.
+        failed: Gentler steps with which it does not walk, in words.
     """
 
     stands: bool = False
@@ -71,6 +70,14 @@ class Trial:
     events: list[str] = field(default_factory=list)
     moments: list[float] = field(default_factory=list)
     real_time: float = math.nan
+    bound: str = ""
+    gentler: str = ""
+    failed: list[str] = field(default_factory=list)
+
+    @property
+    def steps(self) -> str:
+        """The steps of the robot's gait, in words."""
+        return f"steps of {self.stride:.3f} m in {self.duration:.2f} s"
 
 
 def try_robot(
@@ -78,24 +85,51 @@ def try_robot(
 ) -> Trial:
     """Simulates a robot, with a log of the first trial.
 
+    If the robot stands and does not walk, gentler gaits are tried. The first with which
+    it walks is written into its file, and everything is tried with it.
+
     Args:
         model: The robot's YAML file.
         log: File of the log.
-        deadline: ``time.monotonic`` after which nothing further is tried.
+        deadline: ``time.monotonic`` after which nothing further is tried; a gentler
+            gait is looked for nevertheless.
         say: Takes a line on what is tried.
     """
+    trial = _first_trial(model, log, say, STANDS)
+    if trial.stands and not trial.walks:
+        began, usual = time.monotonic(), trial.steps
+        bound = what_bounds(model, say)
+        gentler, values, failed = find_gentler(model, say)
+        if gentler:
+            why = f"Its trial failed with {usual}, and went well with {gentler} steps."
+            write_controller(model, values, why)
+            trial = _first_trial(model, log, say, SETTLES)
+        trial.bound = f"for {usual}, {bound}"
+        trial.gentler, trial.failed = gentler, failed
+        deadline += time.monotonic() - began
+    if trial.walks:
+        _try_strides(model, trial, deadline, say)
+    if trial.stands:
+        _try_pushes(model, trial, deadline, say)
+    return trial
+
+
+def _first_trial(
+    model: Path, log: Path, say: Callable[[str], object], standing: float
+) -> Trial:
+    """Lets a robot stand for some time [s], walk and be pushed, with a log."""
     trial, began = Trial(), time.perf_counter()
     with AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
         say("standing")
-        _advance(sim, STANDS)
-        trial.stands = _stands(sim)
+        advance(sim, standing)
+        trial.stands = stands(sim)
         trial.moments = [sim.time]
         if trial.stands:
             say("walking")
             begins = sim.time
-            trial.walks = _walk(sim, gait.stride, STEPS)
+            trial.walks = walk(sim, gait.stride)
             errors = [step["error_m"] for step in sim.footsteps]
             trial.landing = max(errors, default=math.nan)
             trial.moments.append(begins + 1.0 + 2.5 * gait.duration)
@@ -115,10 +149,6 @@ def try_robot(
             for event in sim.events
             if event.kind in ("warning", "fall", "falling")
         ]
-    if trial.walks:
-        _try_strides(model, trial, deadline, say)
-    if trial.stands:
-        _try_pushes(model, trial, deadline, say)
     return trial
 
 
@@ -133,8 +163,8 @@ def _try_strides(
             longest = sim.scenario.controller_config().gait().longest_stride
             stride = min(share * trial.stride, longest)
             say(f"strides of {stride:.2f} m")
-            _advance(sim, SETTLES)
-            if not _walk(sim, stride, STEPS):
+            advance(sim, SETTLES)
+            if not walk(sim, stride):
                 return
         trial.strides.append(stride)
         if stride == longest:
@@ -145,7 +175,7 @@ def _try_pushes(
     model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
 ) -> None:
     with AtlasSimulation(Scenario(model=str(model))) as sim:
-        _advance(sim, SETTLES)
+        advance(sim, SETTLES)
         standing, scale = sim.snapshot(), _scale(sim)
         open_ = dict(DIRECTIONS)
         for speed in PUSHES:
@@ -168,37 +198,9 @@ def _scale(sim: AtlasSimulation) -> float:
 
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:
     force = np.append(direction, 0.0) * speed * sim.robot.mass / PUSH_DURATION
-    body = sim.robot.file.pushed[-1]
-    sim.apply_push(body, force, PUSH_DURATION)
+    sim.apply_push(TRUNK, force, PUSH_DURATION)
     end = sim.time + LONGEST
-    _advance(sim, SETTLES)
-    while not _stands(sim) and not sim.has_fallen and sim.time < end:
+    advance(sim, SETTLES)
+    while not stands(sim) and not sim.has_fallen and sim.time < end:
         sim.advance(PIECE)
-    return _stands(sim)
-
-
-def _walk(sim: AtlasSimulation, stride: float, steps: int) -> bool:
-    """Walks; returns True if the robot stands again after all steps."""
-    gait = sim.scenario.controller_config().gait(stride=stride)
-    report = sim.atlas_sim_interface_state
-    landed = len(sim.footsteps)
-    stream = StepStream(steps_ahead(report, stride * (steps - 1), gait))
-    end = sim.time + LONGEST
-    while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
-        if sim.time > end:
-            return False
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
-        sim.advance(PIECE)
-    return _stands(sim) and len(sim.footsteps) - landed >= steps
-
-
-def _stands(sim: AtlasSimulation) -> bool:
-    return sim.current_behavior is Behavior.STAND and not sim.has_fallen
-
-
-def _advance(sim: AtlasSimulation, seconds: float) -> None:
-    end = sim.time + seconds
-    while sim.time < end - 1e-9 and not sim.has_fallen:
-        sim.advance(min(PIECE, end - sim.time))
+    return stands(sim)

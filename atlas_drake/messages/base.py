@@ -91,7 +91,7 @@ class Message:
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Any) -> Any:
         """Describe the class to pydantic; what it returns is frozen."""
-        return finished_by(_mark, handler(source), handler)
+        return finished_by(_mark, handler(source))
 
 
 def _mark(message: Message) -> Message:

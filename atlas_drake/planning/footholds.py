@@ -18,6 +18,7 @@ from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 from atlas_drake.rotations import wrap_angle, yaw_of
+from atlas_drake.units import Meters, Radians, Seconds
 
 SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side. Geometry of the legs; the
@@ -39,15 +40,15 @@ _TURN_MARGIN = 0.02
 class UsualSteps(Configuration):
     """Default steps of a walk, for demonstrations and planners."""
 
-    stride: Positive = 0.20
-    """Distance from one footprint to the next [m]."""
-    turn: Positive = 0.15
-    """Turn of each step on a bend or on the spot [rad]."""
-    duration: Positive = 0.63
-    """Duration of each step [s]."""
-    stride_change: Positive = 0.20
-    """Largest change of the stride from one step to the next [m]: a walk begins and
-    ends with shorter strides, because the robot has to gain and lose its speed."""
+    stride: Positive[Meters] = 0.20
+    """Distance from one footprint to the next."""
+    turn: Positive[Radians] = 0.15
+    """Turn of each step on a bend or on the spot."""
+    duration: Positive[Seconds] = 0.63
+    """Duration of each step."""
+    stride_change: Positive[Meters] = 0.20
+    """Largest change of the stride from one step to the next: a walk begins and ends
+    with shorter strides, because the robot has to gain and lose its speed."""
 
 
 @dataclass(frozen=True)
@@ -57,26 +58,26 @@ class Gait:
     ``ControllerConfig.gait`` returns those of a robot and a scenario.
 
     Attributes:
-        stride: Distance from one footprint to the next [m]; at most 0.35 for Atlas.
-        turn: Mean turn of a step [rad]; at most 0.5 for Atlas.
-        duration: Duration of each step [s]; at most 3.0 for Atlas, less with a stride
+        stride: Distance from one footprint to the next; at most 0.35 for Atlas.
+        turn: Mean turn of a step; at most 0.5 for Atlas.
+        duration: Duration of each step; at most 3.0 for Atlas, less with a stride
             that takes the feet far apart, about 1.4 with the longest.
-        stride_change: Largest change of the stride from one step to the next [m].
-        swing_height: Apex of the swing above the middle of its ends [m].
+        stride_change: Largest change of the stride from one step to the next.
+        swing_height: Apex of the swing above the middle of its ends.
         limits: Limits of one step of the robot.
-        stance_width: Distance between the soles' middles of feet side by side [m].
+        stance_width: Distance between the soles' middles of feet side by side.
 
     Raises:
         ValueError: If the robot cannot walk like that; it names field and value.
     """
 
-    stride: float = UsualSteps.stride
-    turn: float = UsualSteps.turn
-    duration: float = UsualSteps.duration
-    stride_change: float = UsualSteps.stride_change
-    swing_height: float = SwingProfile.height
+    stride: Meters = UsualSteps.stride
+    turn: Radians = UsualSteps.turn
+    duration: Seconds = UsualSteps.duration
+    stride_change: Meters = UsualSteps.stride_change
+    swing_height: Meters = SwingProfile.height
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
-    stance_width: float = field(default=STANCE_WIDTH, repr=False)
+    stance_width: Meters = field(default=STANCE_WIDTH, repr=False)
 
     def nearest(self, **desired: float) -> Gait:
         """Returns the feasible gait nearest to values that may be beyond the limits.

@@ -7,6 +7,7 @@ legs in ``leg``. Control laws and state are elsewhere.
 from atlas_drake.robot.file import (
     LEGS,
     LIMBS,
+    TRUNK,
     ContactEntry,
     FootEntry,
     JointEntry,
@@ -34,6 +35,7 @@ __all__ = [
     "LIMBS",
     "LOCAL_MODELS",
     "MODELS_FOLDER",
+    "TRUNK",
     "ContactEntry",
     "FootEntry",
     "JointEntry",

@@ -12,10 +12,18 @@ from annotated_types import Len, MinLen
 
 from atlas_drake.config import Configuration, NotNegative, Positive, Vector
 from atlas_drake.errors import ScenarioError
+from atlas_drake.units import (
+    Meters,
+    NewtonMeterSecondsPerRadian,
+    NewtonMetersPerRadian,
+    Radians,
+)
 
 LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
 LIMBS = ("back", "neck", *LEGS, "l_arm", "r_arm", "l_hand", "r_hand")
+TRUNK = "trunk"
+"""Name that means the link of ``chest`` in pushes of every robot."""
 Name = Annotated[str, MinLen(1)]
 """A name that must be given."""
 
@@ -33,12 +41,12 @@ class JointEntry(Configuration):
         "back", "neck", "l_leg", "r_leg", "l_arm", "r_arm", "l_hand", "r_hand"
     ]
     """Limb of the joint: back, neck, l_leg, r_leg, l_arm, r_arm, l_hand or r_hand."""
-    kp: NotNegative = 0.0
-    """Default position gain in force before any command [N·m/rad]."""
-    kd: NotNegative = 0.0
-    """Default derivative gain in force before any command [N·m·s/rad]."""
-    stand_prep: float = 0.0
-    """Position in the stand-prep pose, from which STAND can begin [rad]."""
+    kp: NotNegative[NewtonMetersPerRadian] = 0.0
+    """Default position gain in force before any command."""
+    kd: NotNegative[NewtonMeterSecondsPerRadian] = 0.0
+    """Default derivative gain in force before any command."""
+    stand_prep: Radians = 0.0
+    """Position in the stand-prep pose, from which STAND can begin."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +64,10 @@ class FootEntry(Configuration):
 class SoleSize(Configuration):
     """Contact rectangle of each sole."""
 
-    length: Positive
-    """Size along the sole's x [m]."""
-    width: Positive
-    """Size along the sole's y [m]."""
+    length: Positive[Meters]
+    """Size along the sole's x."""
+    width: Positive[Meters]
+    """Size along the sole's y."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,15 +78,15 @@ class ContactEntry(Configuration):
     """Name of the contact for tasks and behaviors."""
     frame: Name
     """Frame or body F of the URDF that the surface belongs to."""
-    p_FC: Vector = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """Center of the surface in F [m]."""
-    rpy_FC: Vector = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
-    touched object into the robot, as a sole's does."""
-    length: Positive
-    """Size of the contact rectangle along x of C [m]."""
-    width: Positive
-    """Size of the contact rectangle along y of C [m]."""
+    p_FC: Vector[Meters] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Center of the surface in F."""
+    rpy_FC: Vector[Radians] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Roll, pitch and yaw of the contact frame C in F; z of C points from the touched
+    object into the robot, as a sole's does."""
+    length: Positive[Meters]
+    """Size of the contact rectangle along x of C."""
+    width: Positive[Meters]
+    """Size of the contact rectangle along y of C."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +99,8 @@ class RobotFile(Configuration):
     pelvis: Name
     """Body at the top of both legs, free in the world."""
     chest: Name
-    """Body that balance keeps upright; the pelvis itself for a robot without a back."""
+    """Body or frame that balance keeps upright; the pelvis itself for a robot without a
+    back. Pushes know its body as ``trunk``."""
     hands: list[str] = field(default_factory=list)
     """Bodies of the left and the right hand; none for a robot without hands."""
     imu_frame: str = ""
@@ -103,18 +112,18 @@ class RobotFile(Configuration):
     contacts: list[ContactEntry] = field(default_factory=list)
     """Further surfaces that can carry load, such as hands."""
     pushed: list[str] = field(default_factory=list)
-    """Bodies that the cockpit names for pushes; pelvis, chest and hands if left out."""
+    """Bodies that the cockpit names for pushes; pelvis, trunk and hands if left out."""
     joints: list[JointEntry] = field(default_factory=list)
     """Every actuated joint in the order of the messages' arrays."""
     no_collisions: list[Annotated[list[str], Len(2, 2)]] = field(default_factory=list)
     """Pairs of bodies of the URDF whose shapes do not touch each other, such as
     ``[[hips, left_thigh]]``. Neighbors in the tree never do."""
-    least_knee_flexion: NotNegative = 0.30
-    """Least flexion of the knee, from the straight leg [rad]: a nearly straight leg
-    loses control of the height."""
-    most_knee_flexion: NotNegative = 1.9
-    """Greatest flexion of the knee, from the straight leg, with the sole level [rad]:
-    beyond it the ankle reaches its end stop and the leg lifts the body."""
+    least_knee_flexion: NotNegative[Radians] = 0.30
+    """Least flexion of the knee, from the straight leg: a nearly straight leg loses
+    control of the height."""
+    most_knee_flexion: NotNegative[Radians] = 1.9
+    """Greatest flexion of the knee, from the straight leg, with the sole level: beyond
+    it the ankle reaches its end stop and the leg lifts the body."""
     scaled: bool = True
     """Whether the controller's defaults, which are Atlas' values, scale with the mass,
     the height and the soles of the robot."""

@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.multibody.tree import RevoluteJoint
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
-from atlas_drake.robot.file import RobotFile
+from atlas_drake.robot.file import TRUNK, RobotFile
 
 LEAST_COM_HEIGHT = 0.12
 """Least height of the center of mass above the soles of a standing robot [m]: the
@@ -31,7 +31,7 @@ def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
         "pelvis": file.pelvis,
         **{f"feet[{i}].body": foot.body for i, foot in enumerate(file.feet)},
         **{f"hands[{i}]": hand for i, hand in enumerate(file.hands)},
-        **{f"pushed[{i}]": body for i, body in enumerate(file.pushed)},
+        **{f"pushed[{i}]": body for i, body in enumerate(file.pushed) if body != TRUNK},
         **{
             f"no_collisions[{i}][{k}]": body
             for i, pair in enumerate(file.no_collisions)

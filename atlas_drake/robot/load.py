@@ -27,7 +27,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.robot import fit
-from atlas_drake.robot.file import RobotFile
+from atlas_drake.robot.file import TRUNK, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import find_urdf
 from atlas_drake.robot.robot import Robot, Size, add_urdf, shape_contacts
@@ -180,6 +180,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
             tuple(str(body.name()) for body in plant.GetBodiesWeldedTo(link))
             for link in (joint.child_body() for joint in joints)
         ),
+        trunk=plant.GetFrameByName(file.chest, instance).body().name(),
         legs=legs,
     )
 
@@ -212,9 +213,8 @@ def _size(path: Path, text: str, changed: int) -> Size:
 def _parsed(text: str) -> RobotFile:
     """Reads a robot's YAML text; cached, because each scenario needs its robot's."""
     file: RobotFile = checked(RobotFile, read_fields(text, "urdf: robot.urdf"))
-    pushed = list(dict.fromkeys([file.pelvis, file.chest, *file.hands]))
     return replace(
         file,
         imu_frame=file.imu_frame or file.pelvis,
-        pushed=file.pushed or pushed,
+        pushed=file.pushed or [file.pelvis, TRUNK, *file.hands],
     )

@@ -19,7 +19,7 @@ from pydrake.multibody.tree import FrameIndex, ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
-from atlas_drake.robot.file import ContactEntry, JointEntry, RobotFile
+from atlas_drake.robot.file import TRUNK, ContactEntry, JointEntry, RobotFile
 from atlas_drake.robot.leg import Leg
 from atlas_drake.robot.parsing import find_urdf, parse
 from atlas_drake.robot.soles import add_soles
@@ -115,6 +115,7 @@ class Robot:
         body_names: Names of all links.
         moved_links: For each joint the names of the link that it moves and of all links
             that are fixed to that one.
+        trunk: Link that balance keeps upright.
         legs: Left and right leg.
     """
 
@@ -133,6 +134,7 @@ class Robot:
     pelvis_height: float
     body_names: tuple[str, ...]
     moved_links: tuple[tuple[str, ...], ...]
+    trunk: str
     legs: tuple[Leg, Leg]
 
     def __post_init__(self) -> None:
@@ -189,6 +191,10 @@ class Robot:
             problem = f"robot '{self.name}' has no joint '{name}'; it has {known}"
             raise RobotDescriptionError("joint", name, problem)
         return index
+
+    def pushed_link(self, name: str) -> str:
+        """Returns the link that a push names: ``trunk``, or a link's own name."""
+        return self.trunk if name == TRUNK else name
 
     def contact(self, name: str) -> ContactEntry:
         """Returns the contact of this name in the robot's file."""

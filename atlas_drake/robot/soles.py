@@ -53,6 +53,9 @@ def add_soles(
     A sole has the material of a shape that it replaces, and touches no shape of the
     robot that the replaced one did not touch. A foot whose shapes are hydroelastic
     surfaces already keeps them.
+
+    ``plant.GetCollisionGeometriesForBody`` still lists the replaced shapes; the scene
+    graph's inspector has the present ones.
     """
     inspector = scene_graph.model_inspector()
     frames = map(plant.GetBodyFrameIdOrThrow, plant.GetBodyIndices(instance))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from annotated_types import Len
+from annotated_types import Len, Unit
 from pydantic import PlainValidator
 from pydrake.common.schema import Transform
 from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load_typed
@@ -64,9 +64,8 @@ class Model(Configuration):
     """Pose of the model's base body in W, a ``Transform`` of Drake's schema, such as
     ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null for the pose
     in the file."""
-    V_WB: Annotated[list[float], Len(6, 6)] | None = None
-    """Velocity of the base body at the start, rotation first [rad/s; m/s]; null for at
-    rest."""
+    V_WB: Annotated[list[float], Unit("rad/s; m/s"), Len(6, 6)] | None = None
+    """Velocity of the base body at the start, rotation first; null for at rest."""
     weld: bool = False
     """True to fix the base body in W, at X_WB or at W's origin."""
 

@@ -12,28 +12,29 @@ import numpy as np
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen
+from atlas_drake.units import MetersPerSecondSquared, Radians, RadiansPerSecond
 
 
 @dataclass(frozen=True)
 class NoiseModel(Configuration):
     """Standard deviations and biases of the measurements."""
 
-    gyro: NotNegative = 0.0
-    """White noise of the angular velocity [rad/s]."""
-    gyro_bias_mean: NotNegative = 0.0
-    """Mean size of the constant bias of the angular velocity [rad/s]."""
-    gyro_bias_sigma: NotNegative = 0.0
-    """Spread of that size [rad/s]."""
-    accelerometer: NotNegative = 0.0
-    """White noise of the specific force [m/s²]."""
-    accelerometer_bias_mean: NotNegative = 0.0
-    """Mean size of the constant bias of the specific force [m/s²]."""
-    accelerometer_bias_sigma: NotNegative = 0.0
-    """Spread of that size [m/s²]."""
-    joint_position: NotNegative = 0.0
-    """White noise of the joint encoders [rad]."""
-    joint_velocity: NotNegative = 0.0
-    """White noise of the joint velocities [rad/s]."""
+    gyro: NotNegative[RadiansPerSecond] = 0.0
+    """White noise of the angular velocity."""
+    gyro_bias_mean: NotNegative[RadiansPerSecond] = 0.0
+    """Mean size of the constant bias of the angular velocity."""
+    gyro_bias_sigma: NotNegative[RadiansPerSecond] = 0.0
+    """Spread of that size."""
+    accelerometer: NotNegative[MetersPerSecondSquared] = 0.0
+    """White noise of the specific force."""
+    accelerometer_bias_mean: NotNegative[MetersPerSecondSquared] = 0.0
+    """Mean size of the constant bias of the specific force."""
+    accelerometer_bias_sigma: NotNegative[MetersPerSecondSquared] = 0.0
+    """Spread of that size."""
+    joint_position: NotNegative[Radians] = 0.0
+    """White noise of the joint encoders."""
+    joint_velocity: NotNegative[RadiansPerSecond] = 0.0
+    """White noise of the joint velocities."""
 
 
 REFERENCE_IMU = {

@@ -18,21 +18,22 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from atlas_drake.config import Configuration, Vector
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.terrain import Block
+from atlas_drake.units import Meters, Radians
 
-Length = Annotated[float, Interval(ge=0.01, le=100.0)]
-"""A length of an obstacle [m]."""
-Tilt = Annotated[float, Interval(ge=0.0, le=1.0)]
-"""An angle of a face against the level [rad]."""
+Length = Annotated[Meters, Interval(ge=0.01, le=100.0)]
+"""A length of an obstacle."""
+Tilt = Annotated[Radians, Interval(ge=0.0, le=1.0)]
+"""An angle of a face against the level."""
 
 
 @dataclass(frozen=True)
 class Obstacle(Configuration):
     """Boxes that a few numbers describe."""
 
-    position: Vector = field(default_factory=lambda: [0.25, 0.0, 0.0])
-    """Position of the middle of the near edge in W [m]."""
-    yaw: float = 0.0
-    """Direction in which the obstacle lies ahead of that edge [rad]."""
+    position: Vector[Meters] = field(default_factory=lambda: [0.25, 0.0, 0.0])
+    """Position of the middle of the near edge in W."""
+    yaw: Radians = 0.0
+    """Direction in which the obstacle lies ahead of that edge."""
 
     def blocks(self) -> list[Block]:
         """Returns the boxes, with poses in W."""
@@ -62,16 +63,16 @@ class Stairs(Obstacle):
     """A flight of steps that rises along x, and a landing on top."""
 
     rise: Length = 0.10
-    """Height of each step [m]. WALK takes 0.20 m with ``atlas``, 0.06 m with
+    """Height of each step. WALK takes 0.20 m with ``atlas``, 0.06 m with
     ``atlas_v3``."""
     run: Length = 0.35
-    """Depth of each step [m]."""
+    """Depth of each step."""
     number: Annotated[int, Interval(ge=1, le=100)] = 4
     """Number of steps; the last one is level with the landing."""
     width: Length = 1.6
-    """Width of the steps [m]."""
-    landing: Annotated[float, Interval(ge=0.0, le=100.0)] = 1.2
-    """Length of the landing behind the last step [m]."""
+    """Width of the steps."""
+    landing: Annotated[Meters, Interval(ge=0.0, le=100.0)] = 1.2
+    """Length of the landing behind the last step."""
 
     def _blocks_O(self) -> list[Block]:
         blocks = []
@@ -96,13 +97,13 @@ class Ramp(Obstacle):
     """A slope that rises along x, and a landing on top."""
 
     angle: Tilt = 0.14
-    """Angle between slope and ground [rad]."""
+    """Angle between slope and ground."""
     length: Length = 2.0
-    """Length of the slope, along its face [m]."""
+    """Length of the slope, along its face."""
     width: Length = 1.6
-    """Width of slope and landing [m]."""
-    landing: Annotated[float, Interval(ge=0.0, le=100.0)] = 1.2
-    """Length of the landing behind the slope [m]; 0 leaves it out."""
+    """Width of slope and landing."""
+    landing: Annotated[Meters, Interval(ge=0.0, le=100.0)] = 1.2
+    """Length of the landing behind the slope; 0 leaves it out."""
 
     def _blocks_O(self) -> list[Block]:
         run = self.length * math.cos(self.angle)
@@ -147,15 +148,15 @@ class Blocks(Obstacle):
     columns: Annotated[int, Interval(ge=1, le=50)] = 2
     """Number of blocks along y."""
     size: Length = 0.36
-    """Length and width of each block [m]."""
-    gap: Annotated[float, Interval(ge=0.0, le=10.0)] = 0.02
-    """Distance between blocks [m]."""
+    """Length and width of each block."""
+    gap: Annotated[Meters, Interval(ge=0.0, le=10.0)] = 0.02
+    """Distance between blocks."""
     tilt: Tilt = 0.10
-    """Angle of each top against the level [rad]."""
+    """Angle of each top against the level."""
     heights: Annotated[list[Length], MinLen(1)] = field(
         default_factory=lambda: [0.06, 0.10, 0.14, 0.10]
     )
-    """Heights of the middles of the tops, row by row; the list repeats [m]."""
+    """Heights of the middles of the tops, row by row; the list repeats."""
 
     def _blocks_O(self) -> list[Block]:
         pitch = self.size + self.gap
@@ -196,12 +197,12 @@ class Strewn(Obstacle):
     size: Annotated[list[Length], Len(3, 3)] = field(
         default_factory=lambda: [0.20, 0.10, 0.05]
     )
-    """Length, width and height of a brick [m]."""
-    sunk: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.0
+    """Length, width and height of a brick."""
+    sunk: Annotated[Meters, Interval(ge=0.0, le=1.0)] = 0.0
     """Greatest depth to which a brick is sunk into the ground, each to a random one;
-    less than its height [m]."""
+    less than its height."""
     area: Annotated[list[Length], Len(2, 2)] = field(default_factory=lambda: [4.0, 3.0])
-    """Area of the bricks' middles, along x and y [m]."""
+    """Area of the bricks' middles, along x and y."""
     seed: Annotated[int, Interval(ge=0, le=_LARGEST_SEED)] = 0
     """Seed of the places; independent of the scenario's seed, so that runs of several
     seeds meet the same bricks."""

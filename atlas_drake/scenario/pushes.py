@@ -13,6 +13,8 @@ from annotated_types import Ge
 
 from atlas_drake.config import Configuration, NotNegative, Positive, Vector
 from atlas_drake.errors import ScenarioError
+from atlas_drake.robot import TRUNK
+from atlas_drake.units import Newtons, NewtonSeconds, Radians, Ratio, Seconds
 
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
 LARGEST_FORCE = 1e5
@@ -24,24 +26,25 @@ physics cannot be solved."""
 class PlannedPush(Configuration):
     """A push on a body of the robot, at a time or at a phase of the gait."""
 
-    impulse: NotNegative = 0.0
-    """Horizontal force times duration [N·s]."""
-    lift: float = 0.0
-    """Upward force times duration [N·s]; negative is downward."""
-    direction: float = 0.0
-    """Where to, counter-clockwise from x of ``frame`` [rad]: 0 is forward, π/2 to the
+    impulse: NotNegative[NewtonSeconds] = 0.0
+    """Horizontal force times duration."""
+    lift: NewtonSeconds = 0.0
+    """Upward force times duration; negative is downward."""
+    direction: Radians = 0.0
+    """Where to, counter-clockwise from x of ``frame``: 0 is forward, π/2 to the
     left."""
     frame: Literal["robot", "world"] = "robot"
     """What the direction is relative to: the heading of the pelvis when the push
     begins, or the world."""
-    force_W: Vector | None = None
-    """Force in W [N], in place of impulse, lift and direction; null for these."""
-    body: str = ""
-    """Name of the link that is pushed at its origin; empty for the chest."""
-    duration: Positive = 0.1
-    """How long the force lasts [s]."""
-    time: NotNegative | None = None
-    """When it begins [s]; null where ``phase`` says so."""
+    force_W: Vector[Newtons] | None = None
+    """Force in W, in place of impulse, lift and direction; null for these."""
+    body: str = TRUNK
+    """Name of the link that is pushed at its origin; ``trunk`` is that of the chest on
+    every robot."""
+    duration: Positive[Seconds] = 0.1
+    """How long the force lasts."""
+    time: NotNegative[Seconds] | None = None
+    """When it begins; null where ``phase`` says so."""
     phase: Literal["", "lift_off", "touchdown"] = ""
     """Begins at this event of the gait, lift_off or touchdown; empty where ``time``
     says when. Events are read from the load on the soles."""
@@ -49,11 +52,11 @@ class PlannedPush(Configuration):
     """Whose event."""
     count: Annotated[int, Ge(1)] = 1
     """Begins at the count-th such event of the run, from 1."""
-    fraction: NotNegative = 0.0
+    fraction: NotNegative[Ratio] = 0.0
     """Of the time from that event to the next touchdown, as the behavior plans it then
-    (``t_step_rem``), that passes before the push begins [-]."""
-    delay: NotNegative = 0.0
-    """Time that passes besides [s]."""
+    (``t_step_rem``), that passes before the push begins."""
+    delay: NotNegative[Seconds] = 0.0
+    """Time that passes besides."""
 
     def check(self) -> None:
         """Checks the force, and that one beginning is given."""

@@ -55,6 +55,16 @@ from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_from
+from atlas_drake.units import (
+    Meters,
+    MetersPerSecond,
+    NewtonMeterSecondsPerRadian,
+    NewtonMetersPerRadian,
+    Radians,
+    RadiansPerSecond,
+    Ratio,
+    Seconds,
+)
 
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.0045
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
@@ -75,13 +85,13 @@ class Jitter(Configuration):
     Every value is the half width of a uniform distribution; 0 is no variation.
     """
 
-    position: Annotated[float, Interval(ge=0.0, le=START_REACH)] = 0.0
-    """Position of the pelvis along x and y [m]."""
-    orientation: NotNegative = 0.0
-    """Roll, pitch and yaw of the pelvis [rad]."""
-    joints: NotNegative = 0.0
-    """Position of each joint [rad]."""
-    mass: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.0
+    position: Annotated[Meters, Interval(ge=0.0, le=START_REACH)] = 0.0
+    """Position of the pelvis along x and y."""
+    orientation: NotNegative[Radians] = 0.0
+    """Roll, pitch and yaw of the pelvis."""
+    joints: NotNegative[Radians] = 0.0
+    """Position of each joint."""
+    mass: Annotated[Ratio, Interval(ge=0.0, lt=1.0)] = 0.0
     """Mass and inertia of each link, as a share of the controller's model; below 1."""
 
 
@@ -90,14 +100,14 @@ class Start(Configuration):
     """Start of the robot, on its feet on the terrain."""
 
     position: Place | None = None
-    """Position of the pelvis along x and y in W [m]; null for the world's start."""
-    yaw: float | None = None
-    """Heading of the pelvis in W [rad]; null for the world's start."""
+    """Position of the pelvis along x and y in W; null for the world's start."""
+    yaw: Radians | None = None
+    """Heading of the pelvis in W; null for the world's start."""
     on_gantry: bool = False
     """True to start on a gantry that holds the pelvis, with the feet in the air."""
-    release_time: NotNegative | None = None
+    release_time: NotNegative[Seconds] | None = None
     """Time after the start, or the reset, at which the gantry lowers and releases the
-    robot [s]; null for no automatic release."""
+    robot; null for no automatic release."""
 
     def check(self) -> None:
         """Checks that there is a gantry to be released from."""
@@ -124,18 +134,18 @@ class Start(Configuration):
 class GantryGains(Configuration):
     """Gains that hold the robot; the defaults are stable at every physics step."""
 
-    natural_frequency: Positive = 12.0
-    """Natural frequency of the robot's mass on the gantry [rad/s]."""
-    damping_ratio: NotNegative = 1.0
-    """Damping ratio of the robot's mass on the gantry [-]."""
-    rotational_stiffness: NotNegative = 4000.0
-    """Rotational stiffness at the pelvis [N·m/rad]."""
-    rotational_damping: NotNegative = 300.0
-    """Rotational damping at the pelvis [N·m·s/rad]."""
-    lowering_speed: Positive = 0.10
-    """Speed at which a released robot is lowered [m/s]."""
-    fading_time: Positive = 1.0
-    """Time in which the gantry transfers its load to the legs after lowering [s]."""
+    natural_frequency: Positive[RadiansPerSecond] = 12.0
+    """Natural frequency of the robot's mass on the gantry."""
+    damping_ratio: NotNegative[Ratio] = 1.0
+    """Damping ratio of the robot's mass on the gantry."""
+    rotational_stiffness: NotNegative[NewtonMetersPerRadian] = 4000.0
+    """Rotational stiffness at the pelvis."""
+    rotational_damping: NotNegative[NewtonMeterSecondsPerRadian] = 300.0
+    """Rotational damping at the pelvis."""
+    lowering_speed: Positive[MetersPerSecond] = 0.10
+    """Speed at which a released robot is lowered."""
+    fading_time: Positive[Seconds] = 1.0
+    """Time in which the gantry transfers its load to the legs after lowering."""
 
 
 @dataclass(frozen=True)
@@ -161,15 +171,15 @@ class Scenario(CheckedOnce):
     """Commands that are sent automatically."""
     messages: list[TimedMessage] = field(default_factory=list)
     """Commands that are sent automatically beside the schedule, each at its time."""
-    duration: Positive = 10.0
-    """Length of the run on the command line [s]."""
+    duration: Positive[Seconds] = 10.0
+    """Length of the run on the command line."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: Positive = 0.003
-    """Step of the plant and its motors [s], from 1e-5 to 0.0045. The field is here
-    rather than in ``plant`` because joint controllers and sensors share the step."""
-    control_period: NotNegative = 0.0
-    """Step of the behaviors [s], a multiple of physics_step; 0 for the multiple that is
+    physics_step: Positive[Seconds] = 0.003
+    """Step of the plant and its motors, from 1e-5 to 0.0045. The field is here rather
+    than in ``plant`` because joint controllers and sensors share the step."""
+    control_period: NotNegative[Seconds] = 0.0
+    """Step of the behaviors, a multiple of physics_step; 0 for the multiple that is
     nearest to NOMINAL_PERIOD, 9 ms."""
     plant: Annotated[MultibodyPlantConfig, OfDrake()] = field(
         default_factory=plant_config
@@ -191,10 +201,10 @@ class Scenario(CheckedOnce):
     has every value."""
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     """Noise parameters of the state estimator."""
-    ground_friction: Positive = 0.9
-    """Friction coefficient of the ground [-]."""
-    friction_jitter: NotNegative = 0.0
-    """Half width of a uniform random variation of ``ground_friction`` [-]."""
+    ground_friction: Positive[Ratio] = 0.9
+    """Friction coefficient of the ground."""
+    friction_jitter: NotNegative[Ratio] = 0.0
+    """Half width of a uniform random variation of ``ground_friction``."""
     world: Annotated[World | str | Mapping[str, Any], read_as(World)] = field(
         default_factory=World
     )

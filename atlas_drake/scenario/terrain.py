@@ -14,6 +14,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 
 from atlas_drake.config import Configuration, Positive, Share, Vector
 from atlas_drake.errors import ScenarioError
+from atlas_drake.units import Meters, Radians, Ratio
 
 GROUND_SIZE, GROUND_THICKNESS = 2e4, 100.0
 """Side and thickness of the ground [m]. The narrow phase tilts the normals of cylinders
@@ -22,9 +23,9 @@ START_REACH = 5e3
 """Distance from W's origin along each axis at which a robot can start [m]: hours of
 walking away from the edge of the ground."""
 Place = Annotated[
-    list[Annotated[float, Interval(ge=-START_REACH, le=START_REACH)]], Len(2, 2)
+    list[Annotated[Meters, Interval(ge=-START_REACH, le=START_REACH)]], Len(2, 2)
 ]
-"""Position of a start on the ground [m]."""
+"""Position of a start on the ground."""
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
 """Red, green, blue, alpha of boxes without a color: light wood on the pale ground."""
 _PARALLEL = 1e-12
@@ -35,14 +36,14 @@ _PARALLEL = 1e-12
 class Block(Configuration):
     """A fixed box. The origin of its frame T is the middle of the top face."""
 
-    size: Vector = field(default_factory=lambda: [1.0, 1.0, 0.1])
-    """Size along the axes of T [m]."""
-    position: Vector = field(default_factory=lambda: [0.0, 0.0, 0.1])
-    """Position of the middle of the top face in W [m]."""
-    rpy: Vector = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """Roll, pitch and yaw of T in W [rad]."""
-    friction: Positive | None = None
-    """Friction coefficient [-]; the ground's coefficient if left out."""
+    size: Vector[Meters] = field(default_factory=lambda: [1.0, 1.0, 0.1])
+    """Size along the axes of T."""
+    position: Vector[Meters] = field(default_factory=lambda: [0.0, 0.0, 0.1])
+    """Position of the middle of the top face in W."""
+    rpy: Vector[Radians] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Roll, pitch and yaw of T in W."""
+    friction: Positive[Ratio] | None = None
+    """Friction coefficient; the ground's coefficient if left out."""
     color: Annotated[list[Share], Len(3, 3)] | None = None
     """Red, green and blue, from 0 to 1; light wood if left out."""
 

@@ -23,6 +23,7 @@ from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.records.plain import message_from
 from atlas_drake.robot import Robot
+from atlas_drake.units import Seconds
 
 _KINDS: dict[str, type[Message]] = {
     "atlas_command": AtlasCommand,
@@ -34,8 +35,8 @@ _KINDS: dict[str, type[Message]] = {
 class TimedMessage(Configuration):
     """One message with the time at which it is sent."""
 
-    time: NotNegative = 0.0
-    """Time at which the message is sent [s]."""
+    time: NotNegative[Seconds] = 0.0
+    """Time at which the message is sent."""
     text: str = ""
     """Text that is shown to the user then."""
     atlas_command: dict[str, Any] = field(default_factory=dict)

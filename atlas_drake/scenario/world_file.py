@@ -29,6 +29,7 @@ from atlas_drake.robot.load import (
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
 from atlas_drake.scenario.terrain import Block, Place
+from atlas_drake.units import Meters, Radians
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
 DEFAULT_WORLD = "level"
@@ -39,19 +40,19 @@ class WorldStart(Configuration):
     """Start of the robot in a world; ``start`` of the scenario overrides it."""
 
     position: Place = field(default_factory=lambda: [0.0, 0.0])
-    """Position of the pelvis along x and y in W [m]."""
-    yaw: float = 0.0
-    """Heading of the pelvis in W [rad]."""
+    """Position of the pelvis along x and y in W."""
+    yaw: Radians = 0.0
+    """Heading of the pelvis in W."""
 
 
 @dataclass(frozen=True)
 class View(Configuration):
     """Initial camera of the 3D view, and camera of a film."""
 
-    lens: Vector = field(default_factory=lambda: [3.3, -2.5, 1.45])
-    """Position of the camera in W [m]."""
-    target: Vector = field(default_factory=lambda: [0.2, 0.0, 0.98])
-    """Point that the camera looks at in W [m]."""
+    lens: Vector[Meters] = field(default_factory=lambda: [3.3, -2.5, 1.45])
+    """Position of the camera in W."""
+    target: Vector[Meters] = field(default_factory=lambda: [0.2, 0.0, 0.98])
+    """Point that the camera looks at in W."""
 
     def check(self) -> None:
         """Checks that the camera looks at something."""

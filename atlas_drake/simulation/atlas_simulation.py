@@ -237,7 +237,8 @@ class AtlasSimulation:
         """Pushes a body at its origin from now on.
 
         Args:
-            body: Name of a link, such as ``utorso``.
+            body: Name of a link, such as ``l_hand``; ``trunk`` is that of the chest on
+                every robot.
             force_W: Force in W [N], shape (3,).
             duration: Duration of the push [s], positive.
 

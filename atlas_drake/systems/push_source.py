@@ -23,7 +23,7 @@ from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import PUSH, Event, append_recent
-from atlas_drake.robot import Robot
+from atlas_drake.robot import TRUNK, Robot
 from atlas_drake.scenario.pushes import (
     LARGEST_FORCE,
     LIFT_OFF,
@@ -226,7 +226,7 @@ class PushSource(CollectableSystem):
         after = self.state(context).with_push(push)
         tick = math.ceil(now / self._period - 1e-6) * self._period
         if tick > now + SAME_TIME:  # At a tick, the update is still to come.
-            force = (body, push.mean_force(now, tick))
+            force = (push.body, push.mean_force(now, tick))
             after = replace(after, forces=(*after.forces, force))
         self.begin(context, after)
 
@@ -247,16 +247,16 @@ class PushSource(CollectableSystem):
     ) -> Push:
         force = check_vector(force_W, "force_W", 3, LARGEST_FORCE)
         check_number(duration, "duration", SAME_TIME)
-        if body not in self._bodies:
-            hint = did_you_mean(str(body), self._bodies)
-            hint = hint or f" It has {', '.join(self._bodies)}."
+        link = self._robot.pushed_link(body)
+        if link not in self._bodies:
+            known = {TRUNK: None, **self._bodies}
+            hint = did_you_mean(str(body), known) or f" It has {', '.join(known)}."
             problem = f"the robot has no body {shown(body)}.{hint}"
             raise InvalidMessageError("body", body, problem)
-        return Push(body, force, time, float(duration))
+        return Push(link, force, time, float(duration))
 
     def _make(self, plan: PlannedPush, heading: float, time: float) -> Push:
-        body = plan.body or self._robot.file.chest
-        return self._checked(body, plan.force(heading), time, plan.duration)
+        return self._checked(plan.body, plan.force(heading), time, plan.duration)
 
     def _update(self, context: Context, state: State) -> None:
         now, pushes = context.get_time(), self.state(context)

@@ -86,7 +86,7 @@ def pushed_walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str
     angle = heading + _angle(str(parameters["direction"]), stance)
     force = float(parameters["speed"]) * sim.robot.mass / PUSH_DURATION
     force_W = [force * math.cos(angle), force * math.sin(angle), 0.0]
-    sim.apply_push(sim.robot.file.chest, force_W, PUSH_DURATION)
+    sim.apply_push("trunk", force_W, PUSH_DURATION)
     while not sim.has_fallen and sim.time < LONGEST:
         _send(sim, stream)
         sim.advance(POLL)

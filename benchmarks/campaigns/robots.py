@@ -75,7 +75,7 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
             angle = math.pi * DIRECTIONS[str(parameters["direction"])]
             force = float(parameters["speed"]) * sim.robot.mass / PUSH_DURATION
             force_W = [force * math.cos(angle), force * math.sin(angle), 0.0]
-            sim.apply_push(sim.robot.file.pushed[-1], force_W, PUSH_DURATION)
+            sim.apply_push("trunk", force_W, PUSH_DURATION)
             push_time, end = math.inf, sim.time + STANDING
         over = stream is None or stream.is_over(sim.atlas_sim_interface_state)
         if over and push_time == math.inf and sim.time >= end and _stands(sim):

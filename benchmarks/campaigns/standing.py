@@ -33,7 +33,7 @@ def pushed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, boo
     force = float(parameters["speed"]) * sim.robot.mass / PUSH_DURATION
     direction = float(parameters["direction"])
     force_W = [force * math.cos(direction), force * math.sin(direction), 0.0]
-    sim.apply_push(sim.robot.file.chest, force_W, PUSH_DURATION)
+    sim.apply_push("trunk", force_W, PUSH_DURATION)
     sim.advance(1.0)
     while not sim.has_fallen and sim.time < LONGEST:
         if sim.current_behavior is Behavior.STAND:

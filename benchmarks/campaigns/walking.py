@@ -149,4 +149,4 @@ def strike(sim: AtlasSimulation, push: Push, heading: float) -> None:
     force = push.impulse / PUSH_DURATION
     c, s = math.cos(heading), math.sin(heading)
     force_W = [force * (c * x - s * y), force * (s * x + c * y), 0.0]
-    sim.apply_push(sim.robot.file.chest, force_W, PUSH_DURATION)
+    sim.apply_push("trunk", force_W, PUSH_DURATION)

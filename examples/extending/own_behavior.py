@@ -12,6 +12,7 @@ import numpy as np
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.messages.checks import check_number
+from atlas_drake.units import Radians
 
 LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
 
@@ -20,7 +21,7 @@ LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
 class BowParams:
     """Parameters of BOW."""
 
-    depth: float = 0.4  # of the bow [rad]
+    depth: Radians = 0.4  # of the bow
 
 
 def check_bow(params, field):

@@ -62,7 +62,7 @@ def main():
     options = parser.parse_args()
     sim = AtlasSimulation(controller=controller, on_event=print)
     sim.advance(2.0)
-    sim.apply_push("utorso", [options.push, 0.0, 0.0], 0.1)
+    sim.apply_push("trunk", [options.push, 0.0, 0.0], 0.1)
     sim.advance(3.0)
     print("It fell." if sim.has_fallen else "It stands.")
 

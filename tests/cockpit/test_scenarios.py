@@ -15,6 +15,7 @@ from atlas_drake.app.teleop import followed
 from atlas_drake.cockpit.fields import param_fields, scenario_fields, settings_of
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.scenario.world import WorldError
+from atlas_drake.units import Radians
 
 HERON = Path(__file__).parents[1] / "robots" / "heron"
 GAIN = "controller.gains.dcm_gain"
@@ -52,8 +53,8 @@ def test_every_value_is_read_back_from_its_text(settings):
 class BowParams:
     """Parameters of a behavior of a user's own."""
 
-    depth: float = 0.3
-    """How deep [rad]."""
+    depth: Radians = 0.3
+    """How deep."""
     times: int = 2
     fast: bool = False
     name: str = "bow"

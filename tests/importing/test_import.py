@@ -17,6 +17,9 @@ from atlas_drake.importing.meshes import write_hull
 from atlas_drake.importing.options import ImportOptions
 from atlas_drake.importing.source import find_source, resolve
 from atlas_drake.robot import load_robot
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.pushes import PlannedPush
+from atlas_drake.simulation import AtlasSimulation
 
 HERON = Path(__file__).parents[1] / "robots" / "heron" / "heron.yaml"
 
@@ -245,7 +248,17 @@ def test_names_of_links_may_have_any_characters(imported, tmp_path):
          r'\1<mesh filename="trunk.obj"/>\2'),
     )  # fmt: skip
     assert name in robot.body_names
-    assert name in robot.file.pushed
+    assert name == robot.trunk == robot.pushed_link("trunk")
+
+
+def test_pushes_on_the_trunk_mean_the_chests_link(imported):
+    robot, _ = imported(('"trunk"', '"cage"'))
+    assert robot.file.chest not in robot.body_names
+    plan = PlannedPush(time=0.0, impulse=1.0)
+    sim = AtlasSimulation(Scenario(model=str(robot.path), pushes=[plan]))
+    sim.apply_push("trunk", [1.0, 0.0, 0.0], 0.1)
+    sim.advance(0.01)
+    assert [event.data["body"] for event in sim.events] == ["cage", "cage"]
 
 
 def below(link, rpy="0 0 0"):

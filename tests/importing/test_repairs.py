@@ -7,6 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from pydrake.geometry import Role
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
@@ -162,7 +163,8 @@ def test_what_drake_reads_of_a_shape_goes_into_the_robot(
 
     def felt(link):
         body = plant.GetBodyByName(link)
-        (one, *_) = plant.GetCollisionGeometriesForBody(body)
+        frame = plant.GetBodyFrameIdOrThrow(body.index())
+        (one, *_) = inspector.GetGeometries(frame, Role.kProximity)
         friction = inspector.GetProximityProperties(one).GetProperty(
             "material", "coulomb_friction"
         )

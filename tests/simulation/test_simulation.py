@@ -438,4 +438,4 @@ def test_steps_read_as_they_were_given(tmp_path):
     assert summary["configuration"]["plant"]["time_step"] == 0.003
     header = read_log(path).header
     assert header.control_period == 0.009
-    assert "physics_step: 0.003\n" in header.scenario
+    assert header.scenario["physics_step"] == 0.003

@@ -42,6 +42,7 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.rotations import tilt_of
+from atlas_drake.units import Meters, Ratio
 
 
 @dataclass(frozen=True)
@@ -56,16 +57,17 @@ class ManipulateConfig(Configuration):
     """Speed and acceleration of pelvis and CoM."""
     lead: PelvisLead = field(default_factory=PelvisLead)
     """Largest lead of the reference over a robot that does not follow."""
-    foot_slip: NotNegative = 0.002
-    """Re-latch the pose of a sole that slipped farther than this [m]. Small, because
-    all poses are relative to the soles."""
-    arms_moved: NotNegative = 0.01
+    foot_slip: NotNegative[Meters] = 0.002
+    """Re-latch the pose of a sole that slipped farther than this. Small, because all
+    poses are relative to the soles."""
+    arms_moved: NotNegative[Meters] = 0.01
     """Clamp the requested pose again when the CoM of trunk and arms has moved this far
-    in the pelvis frame, for example when the user's arms reach out [m]."""
+    in the pelvis frame, for example when the user's arms reach out."""
     demo: DemoMovements = field(default_factory=DemoMovements)
     """Amplitudes of the demo's movements."""
-    home: NotNegative = 0.002
-    """Hand over to STAND when the reference is this near to STAND's pose [m], [rad]."""
+    home: NotNegative[Ratio] = 0.002
+    """Hand over to STAND when the reference is this near to STAND's pose, in
+    meters and in radians."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
+from atlas_drake.units import Meters, Radians
 
 PERIOD = 6.0
 """Duration of each movement [s]."""
@@ -23,18 +24,18 @@ class DemoMovements(Configuration):
     The height dips to one side, all others sway to both.
     """
 
-    height: NotNegative = 0.10
-    """Down [m]."""
-    yaw: NotNegative = 0.12
-    """To either side [rad]."""
-    pitch: NotNegative = 0.20
-    """Forward and back [rad]."""
-    roll: NotNegative = 0.15
-    """To either side [rad]."""
-    com_v0: NotNegative = 0.06
-    """Toward either foot [m]."""
-    com_v1: NotNegative = 0.04
-    """Forward and back [m]."""
+    height: NotNegative[Meters] = 0.10
+    """Down."""
+    yaw: NotNegative[Radians] = 0.12
+    """To either side."""
+    pitch: NotNegative[Radians] = 0.20
+    """Forward and back."""
+    roll: NotNegative[Radians] = 0.15
+    """To either side."""
+    com_v0: NotNegative[Meters] = 0.06
+    """Toward either foot."""
+    com_v1: NotNegative[Meters] = 0.04
+    """Forward and back."""
 
 
 COORDINATES = tuple(field.name for field in fields(DemoMovements))

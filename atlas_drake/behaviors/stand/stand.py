@@ -27,25 +27,25 @@ from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw
+from atlas_drake.units import Meters, MetersPerSecond, Ratio
 
 
 @dataclass(frozen=True)
 class StandConfig(Configuration):
     """Parameters of STAND and STAND_PREP."""
 
-    com_speed: NotNegative = 0.08
-    """Speed of the CoM reference towards the middle of the feet [m/s]."""
-    foot_slip: NotNegative = 0.01
-    """Re-latch the pose of a sole that slipped farther than this [m]."""
+    com_speed: NotNegative[MetersPerSecond] = 0.08
+    """Speed of the CoM reference towards the middle of the feet."""
+    foot_slip: NotNegative[Meters] = 0.01
+    """Re-latch the pose of a sole that slipped farther than this."""
     recovery_steps: bool = True
     """Whether STAND and MANIPULATE hand over to WALK for a step when the DCM leaves the
     support polygon. The step is made to the height of the ground below the feet."""
-    recovery_margin: NotNegative = 0.01
-    """Distance of the DCM outside the support polygon from which a step is needed
-    [m]."""
-    recovery_load: NotNegative = 0.3
+    recovery_margin: NotNegative[Meters] = 0.01
+    """Distance of the DCM outside the support polygon from which a step is needed."""
+    recovery_load: NotNegative[Ratio] = 0.3
     """Least load on both feet for a step, in weights of the robot: a robot that hangs
-    does not step [-]."""
+    does not step."""
 
 
 _UPRIGHT = read_only(np.zeros(2))

@@ -26,32 +26,38 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepA
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import mean_yaw
+from atlas_drake.units import (
+    Meters,
+    MetersPerSecond,
+    MetersPerSecondSquared,
+    Radians,
+    Seconds,
+)
 
 
 @dataclass(frozen=True)
 class ActionValues(Configuration):
     """Values of a step action, usual or at their limits; see ``StepAction``."""
 
-    step_duration: NotNegative = 0.7
-    """Duration of single support [s]."""
-    sway_duration: NotNegative = 0.6
-    """Duration of the weight shift before single support [s]."""
-    swing_height: NotNegative = 0.02
-    """Rise above the lift height while the foot moves across [m]."""
-    lift_height: NotNegative = 0.06
-    """Vertical lift above the higher of the two footholds [m]."""
-    knee_nominal: NotNegative = 0.6
-    """Angle of the standing knee [rad]; the usual one follows from the height of the
-    center of mass."""
-    max_body_accel: NotNegative = 0.4
-    """Largest acceleration of the body [m/s²]."""
-    max_foot_vel: NotNegative = 0.5
-    """Largest speed of the foot [m/s]."""
-    sway_end_dist: NotNegative = 0.01
-    """Distance from the end of the weight shift to the middle of the standing sole
-    [m]."""
-    step_end_dist: NotNegative = 0.0
-    """Distance by which the body leans into the step as the foot comes down [m]."""
+    step_duration: NotNegative[Seconds] = 0.7
+    """Duration of single support."""
+    sway_duration: NotNegative[Seconds] = 0.6
+    """Duration of the weight shift before single support."""
+    swing_height: NotNegative[Meters] = 0.02
+    """Rise above the lift height while the foot moves across."""
+    lift_height: NotNegative[Meters] = 0.06
+    """Vertical lift above the higher of the two footholds."""
+    knee_nominal: NotNegative[Radians] = 0.6
+    """Angle of the standing knee; the usual one follows from the height of the center
+    of mass."""
+    max_body_accel: NotNegative[MetersPerSecondSquared] = 0.4
+    """Largest acceleration of the body."""
+    max_foot_vel: NotNegative[MetersPerSecond] = 0.5
+    """Largest speed of the foot."""
+    sway_end_dist: NotNegative[Meters] = 0.01
+    """Distance from the end of the weight shift to the middle of the standing sole."""
+    step_end_dist: NotNegative[Meters] = 0.0
+    """Distance by which the body leans into the step as the foot comes down."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +70,8 @@ class ActionRules(Configuration):
         default_factory=lambda: ActionValues(0.0, 0.2, 0.1, 0.1, 0.3, 0.0, 0.0, 0.0)
     )
     """A value below this is ignored, as are all others at 0 or below."""
-    ignored_end_dist: NotNegative = 0.05
-    """End distances beyond this are ignored [m]."""
+    ignored_end_dist: NotNegative[Meters] = 0.05
+    """End distances beyond this are ignored."""
     most: ActionValues = field(
         default_factory=lambda: ActionValues(
             20.0, 20.0, 0.20, 0.25, 1.0, 1.0, 1.0, 0.03, 0.03

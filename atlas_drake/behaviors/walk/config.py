@@ -11,22 +11,23 @@ from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import UsualSteps
+from atlas_drake.units import Meters, MetersPerSecond, Radians, Ratio, Seconds
 
 
 @dataclass(frozen=True, kw_only=True)
 class GaitTiming(Configuration):
     """Durations of a walk's phases that the duration of a step does not define."""
 
-    first_shift: NotNegative = 0.80
-    """Weight shift before the first lift-off [s]."""
+    first_shift: NotNegative[Seconds] = 0.80
+    """Weight shift before the first lift-off."""
     transfer_share: ProperShare = 0.20
-    """Share of a step's duration in double support [-]. In single support the error of
-    the DCM grows, and only the ankle corrects it; but a shorter swing takes more
-    energy, 10 % at a share of a quarter."""
-    settle: NotNegative = 0.70
-    """Weight shift to the middle of the feet after the last step [s]."""
-    rest: NotNegative = 0.50
-    """Time at rest before STAND takes over [s]."""
+    """Share of a step's duration in double support. In single support the error of the
+    DCM grows, and only the ankle corrects it; but a shorter swing takes more energy,
+    10 % at a share of a quarter."""
+    settle: NotNegative[Seconds] = 0.70
+    """Weight shift to the middle of the feet after the last step."""
+    rest: NotNegative[Seconds] = 0.50
+    """Time at rest before STAND takes over."""
 
     def transfer(self, duration: float) -> float:
         """Computes the double support before the lift-off of a step [s]."""
@@ -41,52 +42,52 @@ class GaitTiming(Configuration):
 class WalkRules(Configuration):
     """Thresholds of the walk."""
 
-    touchdown_force: NotNegative = 0.08
-    """Normal force that counts as touchdown, in weights of the robot [-]."""
-    landing_force: NotNegative = 0.01
+    touchdown_force: NotNegative[Ratio] = 0.08
+    """Normal force that counts as touchdown, in weights of the robot."""
+    landing_force: NotNegative[Ratio] = 0.01
     """Normal force that counts as touchdown in the last part of a swing, ``frozen_end``
-    long, and later, when the ground is expected; in weights of the robot [-]. A foot
-    that bounces lightly passes between two ticks through any larger force."""
-    landing_turn: Positive = 0.03
+    long, and later, when the ground is expected; in weights of the robot. A foot that
+    bounces lightly passes between two ticks through any larger force."""
+    landing_turn: Positive[Radians] = 0.03
     """Turn of a sole on its toes, from its reference toward flat, that counts as
-    touchdown [rad]."""
+    touchdown."""
     earliest_touchdown: Share = 0.75
-    """Share of the swing before which contact is a stumble, not a touchdown [-]."""
-    unload_share: Positive = 0.4
-    """Last share of a transfer in which the leaving foot is unloaded [-]."""
-    dcm_ready: NotNegative = 0.035
-    """Largest DCM error for lift-off [m]."""
-    dcm_lost: NotNegative = 0.01
+    """Share of the swing before which contact is a stumble, not a touchdown."""
+    unload_share: Positive[Ratio] = 0.4
+    """Last share of a transfer in which the leaving foot is unloaded."""
+    dcm_ready: NotNegative[Meters] = 0.035
+    """Largest DCM error for lift-off."""
+    dcm_lost: NotNegative[Meters] = 0.01
     """Distance of the DCM outside the support polygon, beyond that of the plan, from
-    which only a step saves the balance: the next foot lifts off at once [m]."""
-    hurried_transfer: NotNegative = 0.03
-    """Time to load the other foot before such a lift-off [s]."""
-    feet_apart: NotNegative = 0.05
+    which only a step saves the balance: the next foot lifts off at once."""
+    hurried_transfer: NotNegative[Seconds] = 0.03
+    """Time to load the other foot before such a lift-off."""
+    feet_apart: NotNegative[Meters] = 0.05
     """Distance of a foot from its place beside the other one, from which it is put
-    there after a step that caught the balance [m]."""
-    longest_wait: NotNegative = 0.25
-    """Longest delay of lift-off until the DCM error is small enough [s]."""
-    straight_flexion: NotNegative = 0.12
+    there after a step that caught the balance."""
+    longest_wait: NotNegative[Seconds] = 0.25
+    """Longest delay of lift-off until the DCM error is small enough."""
+    straight_flexion: NotNegative[Radians] = 0.12
     """Lift off without further delay when the leaving knee is bent by less than this
-    from the straight leg [rad]."""
-    frozen_end: NotNegative = 0.06
-    """Last part of a swing in which the landing place does not change [s]."""
-    rest_speed: NotNegative = 0.08
-    """Speed of the center of mass below which the walk is over [m/s]."""
-    replan_shift: NotNegative = 0.002
-    """Least change of the landing place for a new plan [m]."""
-    quick_step: NotNegative = 0.70
+    from the straight leg."""
+    frozen_end: NotNegative[Seconds] = 0.06
+    """Last part of a swing in which the landing place does not change."""
+    rest_speed: NotNegative[MetersPerSecond] = 0.08
+    """Speed of the center of mass below which the walk is over."""
+    replan_shift: NotNegative[Meters] = 0.002
+    """Least change of the landing place for a new plan."""
+    quick_step: NotNegative[Seconds] = 0.70
     """Longest duration of a step in which the height of the center of mass may yield
-    (``gains.weights.com_height_quick``) [s]: it has no time to sink far."""
-    transfer_change: NotNegative = 0.40
+    (``gains.weights.com_height_quick``): it has no time to sink far."""
+    transfer_change: NotNegative[Ratio] = 0.40
     """Largest change of a transfer's duration, as a share of it, to correct an early or
     late touchdown. A larger timing error comes from a disturbance, and is not corrected
-    further [-]."""
-    height_rate: NotNegative = 0.30
-    """Speed at which the reference of the CoM's height follows the ground [m/s]; less
-    falls behind on stairs."""
-    leg_stretch: NotNegative = 0.04
-    """Stretch of the lower leg on uneven ground [m]."""
+    further."""
+    height_rate: NotNegative[MetersPerSecond] = 0.30
+    """Speed at which the reference of the CoM's height follows the ground; less falls
+    behind on stairs."""
+    leg_stretch: NotNegative[Meters] = 0.04
+    """Stretch of the lower leg on uneven ground."""
 
 
 @dataclass(frozen=True)
@@ -105,17 +106,17 @@ class WalkConfig(Configuration):
     """Shape of the swing."""
     roll: FootRoll = field(default_factory=FootRoll)
     """Pitch of the soles at lift-off and touchdown."""
-    cop_inward: NotNegative = 0.010
+    cop_inward: NotNegative[Meters] = 0.010
     """Distance of the CoP reference in single support from the middle of the stance
-    sole, toward the other foot [m]."""
-    cop_up: NotNegative = 0.45
+    sole, toward the other foot."""
+    cop_up: NotNegative[Ratio] = 0.45
     """Distance of that reference ahead of the middle of the stance sole, per height of
-    a step up [-]: the higher knee carries less."""
-    cop_down: NotNegative = 0.30
-    """The same per height of a step down [-]."""
-    com_rise: NotNegative = 0.05
+    a step up: the higher knee carries less."""
+    cop_down: NotNegative[Ratio] = 0.30
+    """The same per height of a step down."""
+    com_rise: NotNegative[Meters] = 0.05
     """Rise of the center of mass above its height in STAND, in a walk with full pitch
-    of the soles: toe-off lengthens the trailing leg, and the knees bend less [m]."""
+    of the soles: toe-off lengthens the trailing leg, and the knees bend less."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
     """The step adjustment, which moves and hastens a step for balance."""
     slack: StepSlack = field(default_factory=StepSlack)

@@ -19,6 +19,7 @@ from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.units import Meters, MetersPerSecond, Ratio, Seconds
 
 _TIMES = 9
 """Times of touchdown that are compared: a resolution of some 20 ms."""
@@ -32,33 +33,33 @@ class StepAdjustmentLimits(Configuration):
     with ``stretch``, and ``reach`` bound the place of the step.
     """
 
-    cop_forward: NotNegative = 0.10
-    """Shift of the CoP that the stance foot can hold along the sole [m]."""
-    cop_sideways: NotNegative = 0.035
-    """Shift of the CoP that the stance foot can hold across the sole [m]."""
-    tolerated_forward: NotNegative = 0.05
-    """DCM error at touchdown that double support can correct, along the sole [m]."""
-    tolerated_sideways: NotNegative = 0.02
-    """DCM error at touchdown that double support can correct, across the sole [m]."""
-    stretch: NotNegative = 0.20
+    cop_forward: NotNegative[Meters] = 0.10
+    """Shift of the CoP that the stance foot can hold along the sole."""
+    cop_sideways: NotNegative[Meters] = 0.035
+    """Shift of the CoP that the stance foot can hold across the sole."""
+    tolerated_forward: NotNegative[Meters] = 0.05
+    """DCM error at touchdown that double support can correct, along the sole."""
+    tolerated_sideways: NotNegative[Meters] = 0.02
+    """DCM error at touchdown that double support can correct, across the sole."""
+    stretch: NotNegative[Meters] = 0.20
     """Distance by which a step for balance may exceed the limits of commanded steps
-    ahead, back and outward [m]."""
-    reach: Positive = 0.70
-    """Largest distance between the feet after a step for balance [m]."""
-    shortest_swing: Positive = 0.20
-    """Duration of the fastest swing that balance may demand [s]. A swing that has begun
+    ahead, back and outward."""
+    reach: Positive[Meters] = 0.70
+    """Largest distance between the feet after a step for balance."""
+    shortest_swing: Positive[Seconds] = 0.20
+    """Duration of the fastest swing that balance may demand. A swing that has begun
     slower takes the same share of it for the rest of its path."""
-    foot_speed: Positive = 3.0
-    """Largest mean horizontal speed of a foot in a hastened swing [m/s]."""
-    out_of_reach: NotNegative = 0.01
-    """A swing is hastened if at its planned end the landing place for balance is out
-    of reach by more than this [m]."""
-    haste_cost: NotNegative = 0.1
+    foot_speed: Positive[MetersPerSecond] = 3.0
+    """Largest mean horizontal speed of a foot in a hastened swing."""
+    out_of_reach: NotNegative[Meters] = 0.01
+    """A swing is hastened if at its planned end the landing place for balance is out of
+    reach by more than this."""
+    haste_cost: NotNegative[MetersPerSecond] = 0.1
     """Distance out of reach that is accepted for each second that the swing is not
-    hastened [m/s]."""
-    shift_cost: NotNegative = 0.2
+    hastened."""
+    shift_cost: NotNegative[Ratio] = 0.2
     """Distance out of reach that is accepted for each meter by which the landing place
-    is not shifted [-]."""
+    is not shifted."""
 
 
 def step_shift(

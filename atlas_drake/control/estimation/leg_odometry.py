@@ -8,8 +8,10 @@ al., "State estimation for legged robots", RSS 2012, with the orientation estima
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Unit
 
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.estimation.attitude import (
@@ -20,10 +22,21 @@ from atlas_drake.control.estimation.attitude import (
 )
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen
+from atlas_drake.units import (
+    Meters,
+    MetersPerSecond,
+    MetersPerSecondSquared,
+    Ratio,
+    Seconds,
+)
 
 _POSITION, _VELOCITY, _BIAS, _LEFT, _RIGHT = range(5)
 _FEET = (_LEFT, _RIGHT)
 _EYE = np.eye(5)
+
+MetersPerRootSecond = Annotated[float, Unit("m/√s")]
+AccelerationDensity = Annotated[float, Unit("m/s² √s")]
+"""Density of white noise on an acceleration."""
 
 
 @dataclass(frozen=True)
@@ -33,30 +46,30 @@ class OdometryTuning(Configuration):
     White noise is given per √s, so that it does not depend on the control period.
     """
 
-    gravity_settling: NotNegative = 100.0
-    """Time constant with which an error of tilt is corrected by gravity [s]."""
-    acceleration: NotNegative = 0.005
-    """White noise of the accelerometer [m/s² √s]."""
-    bias: NotNegative = 0.1
-    """Initial uncertainty of the accelerometer's constant bias [m/s²]."""
-    foot_position: NotNegative = 0.001
-    """Position of a sole relative to the pelvis, by kinematics [m]."""
-    slip: NotNegative = 0.001
-    """Drift of a foot that stands firmly [m/√s]."""
-    loose_slip: NotNegative = 0.1
+    gravity_settling: NotNegative[Seconds] = 100.0
+    """Time constant with which an error of tilt is corrected by gravity."""
+    acceleration: NotNegative[AccelerationDensity] = 0.005
+    """White noise of the accelerometer."""
+    bias: NotNegative[MetersPerSecondSquared] = 0.1
+    """Initial uncertainty of the accelerometer's constant bias."""
+    foot_position: NotNegative[Meters] = 0.001
+    """Position of a sole relative to the pelvis, by kinematics."""
+    slip: NotNegative[MetersPerRootSecond] = 0.001
+    """Drift of a foot that stands firmly."""
+    loose_slip: NotNegative[MetersPerRootSecond] = 0.1
     """Drift of a foot that carries almost no load, or that slides or tilts over an edge
-    by the other sensors [m/√s]."""
-    no_load: NotNegative = 0.03
-    """Share of the weight below which a foot counts as in the air [-]."""
-    full_load: NotNegative = 0.40
-    """Share of the weight above which a foot counts as standing firmly [-]."""
-    still: NotNegative = 0.05
+    by the other sensors."""
+    no_load: NotNegative[Ratio] = 0.03
+    """Share of the weight below which a foot counts as in the air."""
+    full_load: NotNegative[Ratio] = 0.40
+    """Share of the weight above which a foot counts as standing firmly."""
+    still: NotNegative[MetersPerSecond] = 0.05
     """Measured speed of a foot below which it does not slide: joint velocities have
-    noise [m/s]."""
-    sliding: NotNegative = 0.12
-    """Measured speed of a foot above which it slides [m/s]."""
-    rest: NotNegative = 1.0
-    """Speed of a robot without a foot on the ground [m/s]. It is assumed to hang still,
+    noise."""
+    sliding: NotNegative[MetersPerSecond] = 0.12
+    """Measured speed of a foot above which it slides."""
+    rest: NotNegative[MetersPerSecond] = 1.0
+    """Speed of a robot without a foot on the ground. It is assumed to hang still,
     because no other measurement of its velocity exists."""
 
 

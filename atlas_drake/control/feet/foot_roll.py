@@ -13,32 +13,33 @@ from dataclasses import dataclass
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.sole_motion import Pitch
 from atlas_drake.messages.footstep import FootPose
+from atlas_drake.units import Meters, Radians, RadiansPerMeter, Seconds
 
 
 @dataclass(frozen=True)
 class FootRoll(Configuration):
     """Pitches of the soles in a walk ahead on level ground."""
 
-    toe_off: NotNegative = 0.25
-    """Pitch of the trailing sole about its toes at lift-off [rad]."""
-    heel_first: NotNegative = 0.10
-    """Pitch of the leading sole at touchdown, with its toes up [rad]."""
-    shortest_stride: NotNegative = 0.05
-    """Distance between the feet up to which both pitches are 0 [m]."""
-    full_stride: Positive = 0.30
-    """Distance between the feet from which both pitches apply in full [m]."""
-    level: NotNegative = 0.02
-    """Largest difference in height of the feet with these pitches [m]."""
-    easy_climb: NotNegative = 0.05
-    """Difference in height of the feet up to which the lower sole stays flat [m]."""
-    climb: NotNegative = 4.5
+    toe_off: NotNegative[Radians] = 0.25
+    """Pitch of the trailing sole about its toes at lift-off."""
+    heel_first: NotNegative[Radians] = 0.10
+    """Pitch of the leading sole at touchdown, with its toes up."""
+    shortest_stride: NotNegative[Meters] = 0.05
+    """Distance between the feet up to which both pitches are 0."""
+    full_stride: Positive[Meters] = 0.30
+    """Distance between the feet from which both pitches apply in full."""
+    level: NotNegative[Meters] = 0.02
+    """Largest difference in height of the feet with these pitches."""
+    easy_climb: NotNegative[Meters] = 0.05
+    """Difference in height of the feet up to which the lower sole stays flat."""
+    climb: NotNegative[RadiansPerMeter] = 4.5
     """Pitch of the lower sole about its toes per difference in height beyond that,
-    before it leaves a step up and when it lands a step down [rad/m]: the other knee
-    bends less."""
-    most_climb: NotNegative = 0.55
-    """Largest pitch for a difference in height [rad]."""
-    flat_after: Positive = 0.08
-    """Time in which a sole that landed on its heel turns flat [s]."""
+    before it leaves a step up and when it lands a step down: the other knee bends
+    less."""
+    most_climb: NotNegative[Radians] = 0.55
+    """Largest pitch for a difference in height."""
+    flat_after: Positive[Seconds] = 0.08
+    """Time in which a sole that landed on its heel turns flat."""
 
     def share(self, rear: FootPose, front: FootPose) -> float:
         """Computes the share of the pitches that apply with the feet there [-]."""

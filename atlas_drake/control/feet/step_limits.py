@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
+from annotated_types import Unit
 from pydantic import BeforeValidator
 
 from atlas_drake.config import (
@@ -19,6 +20,7 @@ from atlas_drake.config import (
 )
 from atlas_drake.errors import ScenarioError
 from atlas_drake.frozen import replace
+from atlas_drake.units import Meters, Radians, Seconds
 
 LONGEST = 3.0
 """Longest duration of a step where only the shortest is given [s]. A setting may
@@ -37,50 +39,51 @@ class StepLimits(Configuration):
         turns its toes to the left.
     """
 
-    forward: NotNegative = 0.42
-    """Longest step ahead [m]."""
-    backward: NotNegative = 0.32
-    """Longest step back [m]."""
-    width: Range = LeastGreatest(0.18, 0.50)
-    """Lateral distance between the feet, center to center [m]."""
-    reach: Positive = 0.70
-    """Longest distance between the feet [m]; a wide step leads less far ahead."""
-    rise: NotNegative = 0.10
-    """Largest step up or down [m]."""
-    easy_rise: NotNegative = 0.10
-    """Largest step up or down that may take the shortest duration [m]."""
-    rise_duration: Positive = 1.1
-    """Shortest duration of the largest step up or down [s]: a knee that has less time
-    to raise the body would need more than its torque. It grows from that of
+    forward: NotNegative[Meters] = 0.42
+    """Longest step ahead."""
+    backward: NotNegative[Meters] = 0.32
+    """Longest step back."""
+    width: Annotated[Range, Unit("m")] = LeastGreatest(0.18, 0.50)
+    """Lateral distance between the feet, center to center."""
+    reach: Positive[Meters] = 0.70
+    """Longest distance between the feet; a wide step leads less far ahead."""
+    rise: NotNegative[Meters] = 0.10
+    """Largest step up or down."""
+    easy_rise: NotNegative[Meters] = 0.10
+    """Largest step up or down that may take the shortest duration."""
+    rise_duration: Positive[Seconds] = 1.1
+    """Shortest duration of the largest step up or down: a knee that has less time to
+    raise the body would need more than its torque. It grows from that of
     ``easy_rise``."""
-    level: NotNegative = 0.02
-    """Largest step up or down that stays on its level [m]."""
-    astray: NotNegative = 0.02
-    """Largest distance of a step to another level from its commanded place [m]."""
-    meant_rise: NotNegative = 0.40
-    """Heights farther than this from the stance foot are treated as not given [m]: on
-    level ground a step may have the height of the pelvis."""
-    tilt: NotNegative = 0.30
-    """Steepest slope of the ground at a foothold [rad]."""
-    toe_out: NotNegative = 0.5
-    """Largest turn outward [rad]."""
-    toe_in: NotNegative = 0.25
-    """Largest turn inward [rad]."""
+    level: NotNegative[Meters] = 0.02
+    """Largest step up or down that stays on its level."""
+    astray: NotNegative[Meters] = 0.02
+    """Largest distance of a step to another level from its commanded place."""
+    meant_rise: NotNegative[Meters] = 0.40
+    """Heights farther than this from the stance foot are treated as not given: on level
+    ground a step may have the height of the pelvis."""
+    tilt: NotNegative[Radians] = 0.30
+    """Steepest slope of the ground at a foothold."""
+    toe_out: NotNegative[Radians] = 0.5
+    """Largest turn outward."""
+    toe_in: NotNegative[Radians] = 0.25
+    """Largest turn inward."""
     duration: Annotated[
-        Range, BeforeValidator(_shortest, json_schema_input_type=Range | float)
+        Range,
+        Unit("s"),
+        BeforeValidator(_shortest, json_schema_input_type=Range | float),
     ] = LeastGreatest(0.60, 3.0)
-    """Duration of a step from and to a place near the other foot [s]; one number is the
+    """Duration of a step from and to a place near the other foot; one number is the
     shortest."""
-    near: NotNegative = 0.40
-    """Distance of the feet up to which a step may take the longest duration [m]."""
-    far: NotNegative = 0.60
-    """Distance of the feet from which a step takes ``far_duration`` at most [m]."""
-    far_duration: Positive = 1.0
-    """Longest duration of a step with the feet far apart [s]: in a slower step the
-    center of mass would have to be over the stance foot while the other leg cannot
-    reach."""
-    swing_height: Range = LeastGreatest(0.03, 0.30)
-    """Apex of a swing above the middle of its ends [m]."""
+    near: NotNegative[Meters] = 0.40
+    """Distance of the feet up to which a step may take the longest duration."""
+    far: NotNegative[Meters] = 0.60
+    """Distance of the feet from which a step takes ``far_duration`` at most."""
+    far_duration: Positive[Seconds] = 1.0
+    """Longest duration of a step with the feet far apart: in a slower step the center
+    of mass would have to be over the stance foot while the other leg cannot reach."""
+    swing_height: Annotated[Range, Unit("m")] = LeastGreatest(0.03, 0.30)
+    """Apex of a swing above the middle of its ends."""
 
     def extended(self, outward: float, inward: float = 0.0) -> Self:
         """Returns limits with the feet farther apart or nearer to each other [m]."""
@@ -136,12 +139,12 @@ class StepSlack(Configuration):
     the tolerance a foot that landed a little short would shorten every later step.
     """
 
-    distance: NotNegative = 0.02
-    """Tolerance of the horizontal distance [m]."""
-    turn: NotNegative = 0.05
-    """Tolerance of the heading [rad]."""
-    rise: NotNegative = 0.01
-    """Tolerance of the height, for ground that differs from the step's height [m]."""
+    distance: NotNegative[Meters] = 0.02
+    """Tolerance of the horizontal distance."""
+    turn: NotNegative[Radians] = 0.05
+    """Tolerance of the heading."""
+    rise: NotNegative[Meters] = 0.01
+    """Tolerance of the height, for ground that differs from the step's height."""
 
     def loosen(self, limits: StepLimits) -> StepLimits:
         """Returns the limits of a step from the actual place of the stance foot."""

@@ -16,6 +16,7 @@ from atlas_drake.control.feet.curves import quintic_progress, rise_and_fall
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_about, rotation_vector
+from atlas_drake.units import Meters, MetersPerRadian, MetersPerSecond, Seconds
 
 PEAK_SPEED = 1.875
 """Peak speed of the quintic from rest to rest, over distance per duration: a property
@@ -26,19 +27,16 @@ of the curve [-]."""
 class StepSwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of STEP."""
 
-    press_depth: NotNegative = 0.005
-    """Depth of the landing goal below the ground, so that the foot meets the ground
-    [m]."""
-    late_descent: Positive = 0.10
-    """Descent speed of a foot that has not met the ground at the planned touchdown
-    [m/s]."""
-    deepest: NotNegative = 0.06
-    """Depth below the expected ground to which the foot descends in search of it
-    [m]."""
-    turn_radius: Positive = 0.25
-    """Assumed distance that a point of a turning foot moves per angle [m/rad]."""
-    shortest_part: Positive = 0.15
-    """Least duration of each phase: lifting, moving and lowering [s]."""
+    press_depth: NotNegative[Meters] = 0.005
+    """Depth of the landing goal below the ground, so that the foot meets the ground."""
+    late_descent: Positive[MetersPerSecond] = 0.10
+    """Descent speed of a foot that has not met the ground at the planned touchdown."""
+    deepest: NotNegative[Meters] = 0.06
+    """Depth below the expected ground to which the foot descends in search of it."""
+    turn_radius: Positive[MetersPerRadian] = 0.25
+    """Assumed distance that a point of a turning foot moves per angle."""
+    shortest_part: Positive[Seconds] = 0.15
+    """Least duration of each phase: lifting, moving and lowering."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,13 @@ from atlas_drake.control.feet.sole_motion import FLAT, Pitch, SoleMotion
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import cross, rotation_with_normal, wrap_angle
+from atlas_drake.units import (
+    Meters,
+    MetersPerSecond,
+    MetersPerSecondSquared,
+    RadiansPerMeter,
+    Seconds,
+)
 
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
@@ -33,44 +40,42 @@ the way of a hastened one [-]."""
 class SwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of WALK."""
 
-    height: Positive = 0.10
-    """Apex above the middle of both ends, of steps that planners make [m]; a step that
-    is commanded brings its own."""
-    landing_speed: Positive = 0.15
-    """Speed of the sole at touchdown, and of its descent past the planned touchdown
-    [m/s]. The higher the speed, the smaller the timing error from an error of
-    height."""
-    late_acceleration: NotNegative = 5.0
-    """Acceleration of the descent past the planned touchdown [m/s²]."""
-    landing_time: Positive = 0.5
-    """Longest final part of a swing, in which the sole reaches ``landing_speed``
-    [s]."""
+    height: Positive[Meters] = 0.10
+    """Apex above the middle of both ends, of steps that planners make; a step that is
+    commanded brings its own."""
+    landing_speed: Positive[MetersPerSecond] = 0.15
+    """Speed of the sole at touchdown, and of its descent past the planned touchdown.
+    The higher the speed, the smaller the timing error from an error of height."""
+    late_acceleration: NotNegative[MetersPerSecondSquared] = 5.0
+    """Acceleration of the descent past the planned touchdown."""
+    landing_time: Positive[Seconds] = 0.5
+    """Longest final part of a swing, in which the sole reaches ``landing_speed``."""
     apex: ProperShare = 0.4
     """Share of the swing at which the sole is highest. An early apex lifts the toes
-    over what lies unexpected ahead of the foot [-]."""
-    lift_time: NotNegative = 0.04
+    over what lies unexpected ahead of the foot."""
+    lift_time: NotNegative[Seconds] = 0.04
     """Time after lift-off without horizontal motion: the sole rises before it goes
-    ahead, so that its toes do not stub [s]. A tenth of the swing at most."""
-    toe_down: NotNegative = 0.8
-    """Pitch of the toes at the apex per swing height [rad/m]. A climb reduces it, so
-    that the toes do not catch the edge."""
+    ahead, so that its toes do not stub. A tenth of the swing at most."""
+    toe_down: NotNegative[RadiansPerMeter] = 0.8
+    """Pitch of the toes at the apex per swing height. A climb reduces it, so that the
+    toes do not catch the edge."""
     climb_share: ProperShare = 0.5
     """Share of the swing in which the height changes: the first part of a step up, the
-    last part of a step down, which keeps the sole off the edge [-]."""
+    last part of a step down, which keeps the sole off the edge."""
     edge_share: Share = 0.25
     """Share of the swing, at the same end as ``climb_share``, without horizontal motion
-    if there is an edge between lift-off and landing [-]."""
-    edge_height: Positive = 0.04
-    """Difference in height from which ``edge_share`` applies in full [m]."""
+    if there is an edge between lift-off and landing."""
+    edge_height: Positive[Meters] = 0.04
+    """Difference in height from which ``edge_share`` applies in full."""
     heel_down: ProperShare = 0.6
     """Share of the swing in which a heel that left the ground last comes down; then the
-    toes rise for a landing on the heel [-]."""
-    unhurried: Positive = 0.4
-    """Duration T from which a swing has its full height and ``landing_speed`` [s]. A
+    toes rise for a landing on the heel."""
+    unhurried: Positive[Seconds] = 0.4
+    """Duration T from which a swing has its full height and ``landing_speed``. A
     shorter one rises less, as T², so that the foot needs no larger acceleration, and
     lands faster, as 1/T³, so that a foot behind its reference is not late."""
-    lowering_time: Positive = 0.03
-    """Time constant with which the height follows when a swing is hastened [s]."""
+    lowering_time: Positive[Seconds] = 0.03
+    """Time constant with which the height follows when a swing is hastened."""
 
     def height_share(self, duration: float) -> float:
         """Computes the share of its height that a swing reaches [-]."""

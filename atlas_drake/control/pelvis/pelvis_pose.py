@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from annotated_types import Unit
 
 from atlas_drake.config import (
     Configuration,
@@ -23,19 +24,23 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, orientation, tilt_of, wrap_angle, yaw_of
+from atlas_drake.units import Meters, PerSecond, Radians
+
+# ``unit`` is the unit of the field that holds the limits.
+SpeedOfPoint = Annotated[float, Unit("unit/s")]
+AccelerationOfPoint = Annotated[float, Unit("unit/s²")]
 
 
 @dataclass(frozen=True)
 class MotionLimits(Configuration):
     """Limits on the motion of a point, in the unit of its coordinates."""
 
-    speed: NotNegative
-    """Greatest speed [unit/s]."""
-    acceleration: NotNegative
-    """Greatest acceleration [unit/s²]."""
-    rate: Positive = 4.0
-    """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate
-    [1/s]."""
+    speed: NotNegative[SpeedOfPoint]
+    """Greatest speed."""
+    acceleration: NotNegative[AccelerationOfPoint]
+    """Greatest acceleration."""
+    rate: Positive[PerSecond] = 4.0
+    """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate."""
 
     def __post_init__(self) -> None:
         """Checks that the point can brake."""
@@ -107,16 +112,16 @@ class PelvisRange(Configuration):
     other limits. Each is a least and a greatest value.
     """
 
-    height: Range = LeastGreatest(-0.36, 0.04)
-    """Height of the pelvis' origin above that in the stand-prep pose [m]."""
-    yaw: Range = LeastGreatest(-0.6, 0.6)
-    """Yaw of the pelvis from the mean heading of the feet, to the left [rad]."""
-    pitch: Range = LeastGreatest(-0.3, 0.5)
-    """Pitch of the pelvis, forward and down [rad]."""
-    roll: Range = LeastGreatest(-0.3, 0.3)
-    """Roll of the pelvis, to the right [rad]."""
-    com: Range = LeastGreatest(-0.5, 0.5)
-    """Offset of the center of mass along either axis [m]; the support polygon limits it
+    height: Annotated[Range, Unit("m")] = LeastGreatest(-0.36, 0.04)
+    """Height of the pelvis' origin above that in the stand-prep pose."""
+    yaw: Annotated[Range, Unit("rad")] = LeastGreatest(-0.6, 0.6)
+    """Yaw of the pelvis from the mean heading of the feet, to the left."""
+    pitch: Annotated[Range, Unit("rad")] = LeastGreatest(-0.3, 0.5)
+    """Pitch of the pelvis, forward and down."""
+    roll: Annotated[Range, Unit("rad")] = LeastGreatest(-0.3, 0.3)
+    """Roll of the pelvis, to the right."""
+    com: Annotated[Range, Unit("m")] = LeastGreatest(-0.5, 0.5)
+    """Offset of the center of mass along either axis; the support polygon limits it
     further."""
 
     def clamp(self, goal: PelvisPose, upright: float) -> PelvisPose:
@@ -198,18 +203,18 @@ def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Sta
 class PelvisRates(Configuration):
     """Limits on the motion of pelvis and center of mass."""
 
-    height: MotionLimits = field(
+    height: Annotated[MotionLimits, Unit("m")] = field(
         default_factory=lambda: MotionLimits(speed=0.12, acceleration=0.4)
     )
-    """Height of the pelvis [m]."""
-    turn: MotionLimits = field(
+    """Height of the pelvis."""
+    turn: Annotated[MotionLimits, Unit("rad")] = field(
         default_factory=lambda: MotionLimits(speed=0.4, acceleration=1.2)
     )
-    """Yaw, pitch and roll of the pelvis [rad]."""
-    com: MotionLimits = field(
+    """Yaw, pitch and roll of the pelvis."""
+    com: Annotated[MotionLimits, Unit("m")] = field(
         default_factory=lambda: MotionLimits(speed=0.08, acceleration=0.25)
     )
-    """Horizontal position of the center of mass [m]."""
+    """Horizontal position of the center of mass."""
 
 
 @dataclass(frozen=True)
@@ -221,10 +226,10 @@ class PelvisLead(Configuration):
     reference that yields to the center of mass would not balance the robot.
     """
 
-    height: NotNegative = 0.06
-    """Lead in height [m]."""
-    turn: NotNegative = 0.25
-    """Lead in yaw, pitch and roll [rad]."""
+    height: NotNegative[Meters] = 0.06
+    """Lead in height."""
+    turn: NotNegative[Radians] = 0.25
+    """Lead in yaw, pitch and roll."""
 
 
 @dataclass(frozen=True)

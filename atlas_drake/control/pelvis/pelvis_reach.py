@@ -17,6 +17,7 @@ from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stan
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
+from atlas_drake.units import Meters, Radians
 
 LEGS_COM = 0.5
 """Position of the legs' center of mass on the line from ankles to pelvis [-]: geometry,
@@ -36,14 +37,14 @@ class PelvisReserves(Configuration):
     docs/control.md.
     """
 
-    com_margin: NotNegative = 0.04
-    """Distance of the center of mass to the edge of the support polygon [m]."""
-    joint_margin: NotNegative = 0.05
-    """Distance of leg joints to their end stops [rad]."""
-    least_flexion: NotNegative = 0.12
-    """Least flexion of the knees, from the straight leg [rad]."""
+    com_margin: NotNegative[Meters] = 0.04
+    """Distance of the center of mass to the edge of the support polygon."""
+    joint_margin: NotNegative[Radians] = 0.05
+    """Distance of leg joints to their end stops."""
+    least_flexion: NotNegative[Radians] = 0.12
+    """Least flexion of the knees, from the straight leg."""
     effort_share: Share = 0.8
-    """Greatest share of a leg joint's effort limit for standing still [-]."""
+    """Greatest share of a leg joint's effort limit for standing still."""
 
 
 class PelvisReach:
