@@ -20,8 +20,8 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",
 )
-SIZE = {"width": 800, "height": 600}
-"""Of the window [pixel]."""
+SIZE = {"width": 400, "height": 300}
+"""Of the window [pixel]: small, as each pixel costs time without a GPU."""
 SMALL_LAPTOP = {"width": 1280, "height": 720}
 SCREEN = {"width": 1920, "height": 1080}
 PHONE = {"width": 390, "height": 844}
