@@ -36,6 +36,7 @@ def arrives(records):
     assert last.controller.unsolved == 0
 
 
+@pytest.mark.slow
 def test_it_takes_the_four_steps_and_stands():
     sim = AtlasSimulation(controller=WALKER)
     records = walk(sim, end=4.8)
