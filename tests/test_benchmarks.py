@@ -144,14 +144,13 @@ def test_an_imported_robot_walks_at_a_froude_number():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("walks", [False, True])
-def test_an_imported_robot_is_pushed(walks):
-    parameters = {"walks": walks, "speed": 0.2, "direction": "left"}
+def test_an_imported_robot_is_pushed():
+    parameters = {"walks": True, "speed": 0.2, "direction": "left"}
     with AtlasSimulation(Scenario(model=str(HERON / "heron.yaml"))) as sim:
         done = module_of("robots").trial(sim, parameters)
         assert any(event.kind == "push" for event in sim.events)
     assert done == {"stands": True, "all_steps": True}
-    assert (len(sim.footsteps) >= 8) == walks
+    assert len(sim.footsteps) >= 8
 
 
 FEET = [

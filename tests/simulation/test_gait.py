@@ -57,6 +57,7 @@ def stance_knee(records):
     return float(knees[loads(records) > 200.0].mean())
 
 
+@pytest.mark.slow
 def test_ahead_it_leaves_on_the_toes_and_lands_on_the_heel_with_straighter_knees(
     rolling,
 ):
