@@ -91,7 +91,7 @@ def test_keys_work_after_a_list_was_used(page):
 
 
 def test_stop_is_acknowledged_at_once(page, watching):
-    for how in ("slowly", "paused", "watching"):
+    for how in ("paused", "watching"):
         # Another program on the computer may delay a browser, but hardly each time.
         delays = []
         while not delays or (min(delays) > SOON and len(delays) < TRIES):
@@ -105,20 +105,14 @@ def delay_of_stop(page, watching, how):
     page.becomes("WALK")
     watching.becomes("WALK")
     presses = watching if how == "watching" else page
-    if how == "slowly":
-        page.labelled("Pace").select_option("0.1")
-        wait_for(lambda: page.frame(".pace") == 0.1, "the pace")
-    elif how == "paused":
+    if how == "paused":
         page.key("Space")
         wait_for(lambda: page.paused, "the pause")
     else:
         page.ask("rate", rate=1)
     for one in (page, watching):
         one.see(ACKNOWLEDGED)
-    if how == "slowly":
-        presses.key("Escape")
-    else:
-        presses.press("STOP")
+    presses.press("STOP")
     pressed = presses.see("window.pressed")
     said = [one.see("window.acknowledged") for one in (page, watching)]
     if how == "watching":
