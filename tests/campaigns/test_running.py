@@ -199,9 +199,6 @@ def test_a_full_disk_ends_with_one_sentence(
     assert "Traceback" not in said
     kept = list(read_records(out))
     assert 1 <= len(kept) < 10
-    assert main([*command, "--jobs", "1"]) == 0
-    assert numbers_in(out)[: len(kept)] == kept
-    assert sorted(numbers_in(out)) == list(range(10))
 
 
 CLUSTER = """
