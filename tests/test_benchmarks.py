@@ -200,6 +200,7 @@ CAUGHT = {
 @pytest.mark.slow
 def test_a_walk_bears_a_push_in_any_phase_and_pushes_share_it():
     pushes, scenario = module_of("push_moments"), Scenario(noise="reference", seed=3)
+    pushes.NUM_STEPS = 8  # Two after the last push.
     stances = itertools.cycle(("left", "right"))
     with AtlasSimulation(scenario) as sim:
         for ((moment, direction), speed), stance in zip(
