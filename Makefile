@@ -25,12 +25,8 @@ setup: $(STAMP) ## Create the environment (every other target does so when neede
 demo: $(STAMP) ## Run the demonstration in a browser.
 	@$(BIN)/atlas-drake demo $(ARGS)
 
-# Pytest ends with 5 if ARGS selects none of the tests of a part.
-# A browser without a graphics card, its page and the robot take two cores by themselves.
 test: $(STAMP) ## Run all tests.
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not browser" $(ARGS) || [ $$? -eq 5 ]
-	@echo "Tests in a browser, one at a time:"
-	@$(BIN)/python -m pytest -m browser $(ARGS) || [ $$? -eq 5 ]
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) $(ARGS)
 
 fast: $(STAMP) ## Run the fast tests (a minute on two cores).
 	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)

@@ -7,6 +7,7 @@ a link to another file or folder to a page that shows it.
 
 from __future__ import annotations
 
+import functools
 import pkgutil
 import posixpath
 import re
@@ -70,7 +71,7 @@ def on_page_markdown(
 ) -> str:
     """Turns links to files of the repository into links to their pages here."""
     here = page.file.src_uri
-    modules = dict(_modules())
+    modules = _modules()
 
     def replace(found: re.Match[str]) -> str:
         target = _target(here, found[2])
@@ -83,13 +84,15 @@ def on_page_markdown(
     return LINK.sub(replace, markdown)
 
 
-def _modules() -> Iterator[tuple[str, str]]:
-    """Returns the path in the repository and the name of each module."""
-    yield "atlas_drake", "atlas_drake"
+@functools.cache
+def _modules() -> dict[str, str]:
+    """Returns the name of each module, by its path in the repository."""
+    modules = {"atlas_drake": "atlas_drake"}
     for found in pkgutil.walk_packages(atlas_drake.__path__, "atlas_drake."):
         path = IN_PACKAGE.sub("", found.name.replace(".", "/"))
         if not found.name.endswith("__main__"):
-            yield path if found.ispkg else f"{path}.py", found.name
+            modules[path if found.ispkg else f"{path}.py"] = found.name
+    return modules
 
 
 def _targets(page: str, text: str) -> Iterator[str]:

@@ -30,6 +30,19 @@ settings.register_profile(
 settings.load_profile("atlas_drake")
 
 SHORT = "duration: 0.1\n"
+BROWSER = "tests/browser/"
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Has one worker take all tests in a browser, first; the others share the rest."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class OneBrowser(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return BROWSER if nodeid.startswith(BROWSER) else nodeid
+
+    return OneBrowser(config, log) if config.getoption("dist") == "load" else None
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -72,7 +72,7 @@ def test_the_site_has_every_page_and_no_broken_link(tmp_path):
         text=True,
         check=False,
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "SHOW_SOURCE": "false"},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "WHOLE_SITE": "false"},
     )
     assert done.returncode == 0, done.stderr
     modules = pkgutil.walk_packages(atlas_drake.__path__, "atlas_drake.")

@@ -46,7 +46,7 @@ SHORTER = {
     "run": ["--headless", "--set", "duration=0.1"],
     "teleop": ["--duration", "0.1"],
     "replay": ["--headless", "--record", "replay.html"],
-    "sweep": ["--trials", "1", "--jobs", "1", "--set", "duration=1"],
+    "sweep": ["--trials", "1", "--jobs", "1", "--set", "duration=0.2"],
 }
 """What is added to a verb's command line, to run it briefly and without a browser."""
 

@@ -118,7 +118,6 @@ def test_one_leg_is_enough_to_balance(take, joints):
     [
         ("STAND", ("l_arm", "r_arm", "neck"), 20, 1),
         ("MANIPULATE", ("l_arm", "r_arm", "neck"), 248, 4),
-        ("STAND", ("back",), 60, 5),
         ("STAND", ("back",), 240, 5),
         ("STAND", ("l_leg", "r_leg"), 25, 6),
     ],

@@ -36,6 +36,7 @@ def arrives(records):
     assert last.controller.unsolved == 0
 
 
+@pytest.mark.slow
 def test_it_takes_the_four_steps_and_stands():
     sim = AtlasSimulation(controller=WALKER)
     records = walk(sim, end=4.8)
@@ -51,18 +52,16 @@ def test_it_takes_the_four_steps_and_stands():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step_time", [0.5, 0.75])
-def test_it_walks_faster_and_slower(step_time):
-    sim = AtlasSimulation(controller=partial(WALKER, step_time=step_time))
-    arrives(walk(sim, end=2.5 + 4.5 * step_time))
+def test_it_walks_faster():
+    sim = AtlasSimulation(controller=partial(WALKER, step_time=0.5))
+    arrives(walk(sim, end=2.5 + 4.5 * 0.5))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("impulse", [(20, 0), (-20, 0), (0, 8), (0, -20)])
-def test_a_push_does_not_stop_it_and_a_reset_begins_anew(impulse):
+def test_a_push_does_not_stop_it_and_a_reset_begins_anew():
     sim = AtlasSimulation(controller=WALKER)
-    before = walk(sim, end=1.9)
-    sim.apply_push("utorso", 10.0 * np.array([*impulse, 0.0]), 0.1)
-    arrives(before + walk(sim, end=5.5))
-    sim.reset()
-    arrives(walk(sim, end=sim.time + 4.8))
+    for impulse in ((20, 0), (-20, 0), (0, 8), (0, -20)):
+        before = walk(sim, end=sim.time + 1.9)
+        sim.apply_push("utorso", 10.0 * np.array([*impulse, 0.0]), 0.1)
+        arrives(before + walk(sim, end=sim.time + 3.6))
+        sim.reset()

@@ -137,9 +137,17 @@ def test_no_input_is_waited_for_without_end(arguments, tmp_path, capsys):
         (["demo", "--seed", "-1"], ["seed"]),
         (["demo", "--set", "controller.gains.dcm_gian=2"], ["Did you mean 'dcm_gain'"]),
         (["teleop", "--set", "controller.gains.dcm_gian=2"], ["mean 'dcm_gain'"]),
-        (["demo", "--host", "a..b"], ["cannot be served on a..b"]),
+        pytest.param(
+            ["demo", "--host", "a..b"],
+            ["cannot be served on a..b"],
+            marks=pytest.mark.slow,
+        ),
         # Addresses set aside for documentation belong to nobody.
-        (["demo", "--host", "192.0.2.1"], ["--host", "192.0.2.1"]),
+        pytest.param(
+            ["demo", "--host", "192.0.2.1"],
+            ["--host", "192.0.2.1"],
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_options_are_checked_like_the_file(options, complaints, capsys):

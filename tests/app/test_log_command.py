@@ -152,6 +152,7 @@ def test_a_file_that_a_full_disk_stops_is_named(
 # ---- replay ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_replay_with_view_ends_by_itself_without_a_terminal(log_file, capsys):
     assert main(["replay", str(log_file), "--realtime-rate", "0"]) == 0
     assert "Watch at http://localhost" in capsys.readouterr().out

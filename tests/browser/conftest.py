@@ -20,8 +20,8 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",
 )
-SIZE = {"width": 800, "height": 600}
-"""Of the window [pixel]."""
+SIZE = {"width": 400, "height": 300}
+"""Of the window [pixel]: small, as each pixel costs time without a GPU."""
 SMALL_LAPTOP = {"width": 1280, "height": 720}
 SCREEN = {"width": 1920, "height": 1080}
 PHONE = {"width": 390, "height": 844}
@@ -294,9 +294,10 @@ def second_page(teleop, browser):
 @pytest.fixture
 def watching(page, second_page):
     """A second page, which does not steer and does not ask to."""
+    second_page.open()
     second_page.ask("release_control")
     yield second_page
-    second_page.ask("release_control")  # A test that fails leaves the others alone.
+    second_page.close()  # It costs the other tests time, too.
     assert not second_page.errors
 
 

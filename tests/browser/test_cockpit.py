@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from .conftest import PHONE, SCREEN, SMALL_LAPTOP, drag, wait_for
+from .conftest import PHONE, SCREEN, drag, wait_for
 from .looks import ACKNOWLEDGED
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -90,13 +90,13 @@ def test_keys_work_after_a_list_was_used(page):
     page.page.get_by_role("dialog", name="Keys").wait_for(state="hidden")
 
 
-@pytest.mark.parametrize("how", ["slowly", "paused", "watching"])
-def test_stop_is_acknowledged_at_once(page, watching, how):
-    # Another program on the computer may delay a browser, but hardly each time.
-    delays = []
-    while not delays or (min(delays) > SOON and len(delays) < TRIES):
-        delays.append(delay_of_stop(page, watching, how))
-    assert min(delays) < SOON
+def test_stop_is_acknowledged_at_once(page, watching):
+    for how in ("paused", "watching"):
+        # Another program on the computer may delay a browser, but hardly each time.
+        delays = []
+        while not delays or (min(delays) > SOON and len(delays) < TRIES):
+            delays.append(delay_of_stop(page, watching, how))
+        assert min(delays) < SOON, how
 
 
 def delay_of_stop(page, watching, how):
@@ -105,20 +105,14 @@ def delay_of_stop(page, watching, how):
     page.becomes("WALK")
     watching.becomes("WALK")
     presses = watching if how == "watching" else page
-    if how == "slowly":
-        page.labelled("Pace").select_option("0.1")
-        wait_for(lambda: page.frame(".pace") == 0.1, "the pace")
-    elif how == "paused":
+    if how == "paused":
         page.key("Space")
         wait_for(lambda: page.paused, "the pause")
     else:
         page.ask("rate", rate=1)
     for one in (page, watching):
         one.see(ACKNOWLEDGED)
-    if how == "slowly":
-        presses.key("Escape")
-    else:
-        presses.press("STOP")
+    presses.press("STOP")
     pressed = presses.see("window.pressed")
     said = [one.see("window.acknowledged") for one in (page, watching)]
     if how == "watching":
@@ -160,7 +154,7 @@ def test_time_is_paused_stepped_paced_and_turned_back(page):
 # ---- joints ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("size", [PHONE, SMALL_LAPTOP, SCREEN])
+@pytest.mark.parametrize("size", [PHONE, SCREEN])
 def test_a_slider_gives_a_part_of_the_chosen_limb(page, size):
     page.page.set_viewport_size(size)
     page.button("l_arm").press("Enter")
@@ -311,7 +305,8 @@ def test_the_gait_is_set_and_the_pad_walks(page):
     stride.press("ArrowLeft")
     page.press("turn left")
     page.becomes("WALK")
-    assert "lit" in page.button("turn left").get_attribute("class")
+    turn = page.button("turn left")
+    wait_for(lambda: "lit" in turn.get_attribute("class"), "the light")
     page.press("stop walking")
     page.becomes("STAND")
 
@@ -423,8 +418,15 @@ def camera(page):
 def test_a_link_says_whose_it_is_and_is_pushed_by_the_mouse(page):
     page.until("cockpit.isComplete()")
     page.press("Front")
-    page.page.mouse.click(*page.at_W(*chest_W(page)))
     card = page.page.locator(".link")
+
+    def asks():
+        # The view of a busy computer shows the robot late, and the ground in its place.
+        page.key("Escape")
+        page.page.mouse.click(*page.at_W(*chest_W(page)))
+        return card.is_visible()
+
+    wait_for(asks, "the card of the link")
     card.get_by_text("the behavior has it").wait_for()
     owned = card.locator("b").inner_text().split(": ")[1]
     page.press("Take it")

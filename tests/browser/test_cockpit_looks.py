@@ -23,6 +23,13 @@ LINES = 5
 """Events that are seen at least on a small laptop."""
 
 
+@pytest.fixture
+def page(page):
+    """The page of a run that goes on slowly, which leaves the computer to the page."""
+    page.ask("rate", rate=0.1)
+    return page
+
+
 def plot(page, channel=CHANNEL):
     page.labelled("Channel to plot").fill(channel)
     page.button(f"Remove {channel}").wait_for()

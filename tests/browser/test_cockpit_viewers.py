@@ -44,63 +44,9 @@ def test_closing_the_page_ends_a_walk_and_loses_nothing(page, watching):
     assert "STAND -> WALK" in page.events()
 
 
-def test_a_slow_browser_holds_nothing_up(page, watching):
-    session = watching.page.context.new_cdp_session(watching.page)
-    session.send("Emulation.setCPUThrottlingRate", {"rate": 10})
-    page.goes_on()
-    page.press("FREEZE")
-    page.becomes("FREEZE")
-    session.send("Emulation.setCPUThrottlingRate", {"rate": 1})
-
-
-JUNK = """async (address) => {
-  const open = async (path) => {
-    const one = new WebSocket(address + path);
-    await new Promise((done) => { one.onopen = done; });
-    return one;
-  };
-  const values = [null, -5, 1e300, "junk", {}, [], { x: {} }, { name: 7 }];
-  const names = ["walk", "move", "share", "push", "behave", "message", "start", "stop",
-                 "nothing", "__class__", "", 7, null];
-  const sockets = [];
-  const bytes = new Uint8Array([255, 193, 0, 1]);
-  for (const junk of ["junk", "[1, 2]", "7", '{"do": 1}', bytes]) {
-    const one = await open("socket");
-    for (let i = 0; i < 20; i++) one.send(junk);
-    sockets.push(one);
-  }
-  const one = await open("socket");
-  for (const name of names) for (const value of values) {
-    one.send(JSON.stringify({ do: name, number: 1, with: value }));
-  }
-  const pictures = await open("meshcat");
-  pictures.send(new Uint8Array([255, 193, 0, 1]));
-  pictures.send('{"type": "button", "name": "STOP"}');
-  pictures.send("x".repeat(900));
-  await new Promise((done) => setTimeout(done, 300));
-  for (const each of [...sockets, one, pictures]) each.close();
-  return sockets.length + 1;
-}"""
-"""Sends junk over websockets of its own, and returns over how many of them orders."""
-
-
-def test_junk_neither_ends_nor_steers_a_run_and_makes_a_line_each(page, teleop):
-    before = len(teleop.printed)
-    connections = page.see(JUNK, teleop.url.replace("http", "ws"))
-    page.goes_on()
-    assert page.mode == "STAND"
-    page.steering_says("You steer")
-    lines = teleop.printed[before:].splitlines()
-    assert (
-        0 < len([line for line in lines if "dropped an input" in line]) <= connections
-    )
-    page.press("FREEZE")
-    page.becomes("FREEZE")
-
-
 def test_a_flood_holds_nobody_else_up(page, watching):
     watching.page.evaluate(
-        """() => { for (let i = 0; i < 20000; i++) {
+        """() => { for (let i = 0; i < 2000; i++) {
           cockpit.page.do("share", { joints: ["l_arm_shx"], k_effort: 255 },
                           { quiet: true }).catch(() => {});
         } }"""

@@ -228,6 +228,7 @@ def test_the_report_counts_failures_conditions_and_errors():
     assert "first failure" not in report(campaign, {0: record(0, values=values)})
 
 
+@pytest.mark.slow
 def test_a_threshold_over_directions_has_a_report_and_figures(tmp_path):
     campaign = Campaign(
         scenario=Scenario(pushes=[PlannedPush(time=1.0)]),

@@ -2,7 +2,6 @@
 
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -71,7 +70,7 @@ KILLS = """
     def killed_at_first(sim, parameters):
         sim.advance(0.05)
         begun = Path(parameters["folder"], str(sim.scenario.seed))
-        if parameters["kill"] and sim.scenario.seed % 3 and not begun.exists():
+        if parameters["kill"] and sim.scenario.seed % 3 == 1 and not begun.exists():
             begun.touch()
             os.kill(os.getpid(), signal.SIGKILL)
         sim.advance(0.05)
@@ -79,26 +78,24 @@ KILLS = """
 
 
 @pytest.mark.slow
-def test_twenty_kills_lose_and_double_nothing(campaign_file, tmp_path):
+def test_kills_lose_and_double_nothing(campaign_file, tmp_path):
     folder, out = tmp_path / "begun", tmp_path / "out"
     folder.mkdir()
-    more = "trial: killed_at_first\nseeds: counted\ntrials: 24\n"
+    more = "trial: killed_at_first\nseeds: counted\ntrials: 6\n"
     more += f"parameters: {{folder: {folder}, kill: %s}}\n"
     file = campaign_file(more % "true", KILLS)
-    for kill in range(4):
-        process = run_program(file, out)
-        wait_until(lambda kill=kill: len(numbers_in(out)) >= 3 * (kill + 1))
-        process.send_signal(signal.SIGKILL)
-        # Its output ends when its children have ended, too.
-        process.communicate(timeout=WAIT)
-        before = numbers_in(out)
+    process = run_program(file, out)
+    wait_until(lambda: len(numbers_in(out)) >= 2)
+    process.send_signal(signal.SIGKILL)
+    # Its output ends when its children have ended, too.
+    process.communicate(timeout=WAIT)
+    before = numbers_in(out)
     with (out / "trials.jsonl").open("a") as torn:
         torn.write('{"trial": 1')
-    said, _ = run_program(file, out).communicate(timeout=WAIT)
-    assert "24 of 24" in said
-    assert len(list(folder.iterdir())) == 16
+    assert main(["sweep", str(file), "--out", str(out), "--jobs", "2"]) == 0
+    assert len(list(folder.iterdir())) == 2
     numbers = numbers_in(out)
-    assert sorted(numbers) == list(range(24))
+    assert sorted(numbers) == list(range(6))
     assert numbers[: len(before)] == before
     undisturbed = load_campaign(campaign_file(more % "false", KILLS))
     assert same(read_records(out)) == same(records_here(undisturbed))
@@ -140,8 +137,8 @@ ENDS = {
     "exit": "SystemExit: 3",
     "leave": "the process died (0)",
     "crash": "the process died (-11)",
-    "hang": "took longer than 5 s",
-    "hold": "took longer than 5 s",
+    "hang": "took longer than 2 s",
+    "hold": "took longer than 2 s",
     "raise": "Local: no such luck",
     "object": "fail: 'x' is <object object",
     "digits": "integer string conversion",
@@ -153,7 +150,7 @@ def test_a_trial_that_fails_in_any_way_is_a_line_of_its_own(
     campaign_file, tmp_path, capsys
 ):
     hows = ["no", *ENDS, "not"]
-    more = f"trial: fail\ncases: {{parameters.how: {hows}}}\ntrial_timeout: 5\n"
+    more = f"trial: fail\ncases: {{parameters.how: {hows}}}\ntrial_timeout: 2\n"
     out = tmp_path / "out"
     arguments = [str(campaign_file(more, FAILURES)), "--out", str(out)]
     arguments += ["--trials", "1", "--jobs", "2"]
@@ -190,22 +187,18 @@ def test_a_child_that_is_killed_while_it_waits_is_replaced(campaign_file):
 
 
 @pytest.mark.slow
-def test_a_full_disk_ends_with_one_sentence(campaign_file, tmp_path):
-    out, file = tmp_path / "out", campaign_file("trials: 12\n")
-
-    def small_disk():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-
-    process = run_program(file, out, preexec_fn=small_disk)
-    said, _ = process.communicate(timeout=WAIT)
-    assert process.returncode == 1
-    assert said.splitlines()[-1].startswith(f"! {out} cannot be written: File too")
+def test_a_full_disk_ends_with_one_sentence(
+    campaign_file, tmp_path, capsys, largest_file
+):
+    out = tmp_path / "out"
+    command = ["sweep", str(campaign_file("trials: 10\n")), "--out", str(out)]
+    with largest_file(4096):
+        assert main([*command, "--jobs", "1"]) == 1
+    said = "".join(capsys.readouterr())
+    assert f"! {out} cannot be written: File too" in said
     assert "Traceback" not in said
     kept = list(read_records(out))
-    assert 2 <= len(kept) < 12
-    assert main(["sweep", str(file), "--out", str(out), "--jobs", "2"]) == 0
-    assert numbers_in(out)[: len(kept)] == kept
-    assert sorted(numbers_in(out)) == list(range(12))
+    assert 1 <= len(kept) < 10
 
 
 CLUSTER = """
@@ -253,7 +246,7 @@ def test_a_cluster_finds_the_same_though_a_worker_is_killed(
     dask, campaign_file, tmp_path, capsys
 ):
     start, address = dask
-    more = "trial: loses_its_worker\nseeds: counted\ntrials: 8\n"
+    more = "trial: loses_its_worker\nseeds: counted\ntrials: 6\n"
     more += f"parameters: {{folder: {tmp_path}, kill: %s}}\n"
     # A worker that may have no children is named.
     daemon = start("worker", "--nthreads", "1")
@@ -265,7 +258,7 @@ def test_a_cluster_finds_the_same_though_a_worker_is_killed(
     daemon.wait(WAIT)
     workers = [start("worker", "--nthreads", "1", "--no-nanny") for _ in range(2)]
     assert main(command) == 1
-    assert sorted(numbers_in(tmp_path / "out")) == list(range(8))
+    assert sorted(numbers_in(tmp_path / "out")) == list(range(6))
     assert [worker.poll() for worker in workers].count(-signal.SIGKILL) == 1
     # The child has ended with its worker.
     child = int((tmp_path / "begun").read_text())
@@ -280,6 +273,7 @@ def test_a_cluster_finds_the_same_though_a_worker_is_killed(
 # ---- the command line --------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_campaign_runs_resumes_and_shows_one_trial(campaign_file, tmp_path, capsys):
     out = tmp_path / "out"
     more = "vary: {ground_friction: {uniform: [0.5, 0.9]}}\ngoal: 1.0\n"

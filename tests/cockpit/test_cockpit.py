@@ -30,6 +30,7 @@ def test_a_missing_package_is_named_with_what_installs_it(monkeypatch):
         Cockpit()
 
 
+@pytest.mark.slow
 def test_a_host_of_another_computer_is_refused():
     with pytest.raises(CockpitError, match=r"cannot be served on 192\.0\.2\.1"):
         Cockpit(host="192.0.2.1")

@@ -56,6 +56,7 @@ def test_junk_makes_one_line_and_the_process_ends_with_its_line(start, capfd):
     assert printed[0].startswith("! The page dropped an input: ")
 
 
+@pytest.mark.slow
 def test_a_taken_port_is_passed_over(start):
     (first,) = start()[0].take(1, timeout=PATIENCE)
     port = first.rstrip("/").rpartition(":")[2]

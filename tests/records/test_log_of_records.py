@@ -174,7 +174,7 @@ def runs(draw):
     return schema, records
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(run=runs())
 def test_records_come_back_from_a_log(tmp_path_factory, run):
     schema, records = run

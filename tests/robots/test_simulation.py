@@ -21,6 +21,7 @@ from atlas_drake.logs import LogError, read_log
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.pilot import pilot_of
+from atlas_drake.simulation.tutorial import tutorial_schedule
 
 from .conftest import HERON
 
@@ -76,19 +77,10 @@ def test_the_tutorial_is_for_robots_with_two_arms(copied, tmp_path):
     assert kept.read_text() == "an earlier run"
 
 
-@pytest.mark.slow
-def test_heron_follows_the_tutorial():
-    scenario = Scenario(model=str(HERON), schedule="tutorial", initial_behavior="USER")
-    sim = AtlasSimulation(scenario)
-    sim.advance(11.0)
-    moved = [sim.robot.joint_index(f"{side}_shoulder") for side in ("left", "right")]
-    held = np.flatnonzero(sim.atlas_sim_interface_state.k_effort)
-    assert held.tolist() == moved
-    sim.advance(6.0)
-    assert not sim.has_fallen
-    assert len(sim.footsteps) == 4
-    assert max(step["error_m"] for step in sim.footsteps) < 0.01
-    assert set(sim.atlas_sim_interface_state.k_effort) == {255}
+def test_the_tutorial_moves_the_shoulders_of_any_robot(heron):
+    arms = tutorial_schedule(heron)[3].command
+    moved = [heron.joint_index(f"{side}_shoulder") for side in ("left", "right")]
+    assert np.flatnonzero(arms.k_effort).tolist() == moved
 
 
 def test_a_log_knows_where_its_robot_is(copied, tmp_path):

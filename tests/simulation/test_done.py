@@ -6,6 +6,7 @@ from pydrake.common.yaml import yaml_load
 
 from atlas_drake import (
     AtlasBehaviorStepData,
+    AtlasBehaviorWalkParams,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
@@ -80,7 +81,7 @@ def times(fields):
 
 
 def test_a_short_run_by_hand_ends_in_the_same_bits(by_hand):
-    by_hand.ask("MANIPULATE")
+    by_hand.ask("WALK", walk_params=AtlasBehaviorWalkParams(use_demo_walk=True))
     by_hand.go_to_tick()
     by_hand.sim.apply_push("utorso", [20.0, 30.0, -10.0], 0.1)
     by_hand.go_to_tick()
@@ -106,13 +107,13 @@ def test_messages_and_pushes_of_a_schedule_come_again_with_the_same_bits():
 
 
 @pytest.mark.slow
-def test_the_tutorial_is_walked_again():
+def test_the_commands_of_the_tutorial_are_done_again():
     sim = AtlasSimulation(Scenario(schedule="tutorial"))
-    sim.advance_to(11.0)
+    sim.advance_to(2.1)
     fields = done(sim)
     assert "schedule" not in fields
+    assert len(fields["messages"]) == 1
     again = replayed(sim)
-    assert len(again.footsteps) == len(sim.footsteps) > 0
     np.testing.assert_array_equal(state_of(again), state_of(sim))
 
 

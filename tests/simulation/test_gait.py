@@ -21,7 +21,7 @@ def walk(distance, **settings):
         gait = sim.scenario.controller_config().gait(stride=0.3)
         plan = steps_ahead(sim.atlas_sim_interface_state, distance, gait)
         steps = StepStream(plan)
-        while sim.time < 4.5:
+        while sim.time < 3.9:
             command = steps.next_command(sim.atlas_sim_interface_state)
             if command is not None:
                 sim.publish(command)
@@ -29,6 +29,11 @@ def walk(distance, **settings):
             records.append(sim.record)
         assert not sim.has_fallen
     return records[WALKING]
+
+
+@pytest.fixture(scope="module")
+def rolling():
+    return walk(3.0)
 
 
 def pitches(records):
@@ -52,8 +57,11 @@ def stance_knee(records):
     return float(knees[loads(records) > 200.0].mean())
 
 
-def test_ahead_it_leaves_on_the_toes_and_lands_on_the_heel_with_straighter_knees():
-    rolling, flat = walk(3.0), walk(3.0, **FLAT)
+@pytest.mark.slow
+def test_ahead_it_leaves_on_the_toes_and_lands_on_the_heel_with_straighter_knees(
+    rolling,
+):
+    flat = walk(3.0, **FLAT)
     pitch = pitches(rolling)
     on_ground = loads(rolling) > 20.0
     assert pitch[on_ground].max() > 0.15, "a heel rises while its toes carry load"
@@ -68,10 +76,9 @@ def test_backward_the_soles_stay_flat():
     assert np.abs(pitches(records)[loads(records) > 20.0]).max() < 0.03
 
 
-def test_arms_swing_against_the_legs():
-    records = walk(3.0)
-    joints = np.array([r.joints.position for r in records])
-    feet = np.array([r.feet.left_position - r.feet.right_position for r in records])
+def test_arms_swing_against_the_legs(rolling):
+    joints = np.array([r.joints.position for r in rolling])
+    feet = np.array([r.feet.left_position - r.feet.right_position for r in rolling])
     # Shoulders, whose positive pitch takes the hand back.
     left, right = joints[:, 16], joints[:, 22]
     apart = np.corrcoef(right - left, -feet[:, 0])[0, 1]

@@ -203,6 +203,7 @@ def test_links_have_the_color_of_their_owner(plain, picture):
     assert left < right - 3
 
 
+@pytest.mark.slow
 def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(
     log, tmp_path, plain
 ):
