@@ -114,10 +114,8 @@ class Manipulate(BehaviorProtocol):
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> ManipulateState:
         """Starts from the present body reference and DCM."""
-        return self._pursue(
-            self._listen(self._here(observation, body), observation, request),
-            observation,
-        )
+        here = self._here(observation, body)
+        return self._pursue(self._listen(here, observation, request), observation)
 
     def update(
         self,
@@ -130,16 +128,18 @@ class Manipulate(BehaviorProtocol):
         """Computes one tick; ``leaving`` brings the robot back to STAND's pose."""
         waited, waits = state.waits, bool(observation.user_held[self._legs].any())
         state = replace(state, waits=waits)
-        if leaving:
-            home = self._home(observation, state.stance)
-            state = replace(state, goal=home, demo_time=None, request=None)
-        elif request.is_newer(state.request):
-            state = self._pursue(self._listen(state, observation, request), observation)
-        elif (waited and not waits) or self._arms_moved(state, observation):
-            state = self._pursue(state, observation)
+        changed = (waited and not waits) or self._arms_moved(state, observation)
+        if leaving and state.request is not None:
+            state = replace(state, demo_time=None, request=None)
+            changed = True
+        elif not leaving and request.is_newer(state.request):
+            state = self._listen(state, observation, request)
+            changed = True
         if observation.has_slipped(state.stance.feet, self._config.foot_slip):
             state = replace(state, stance=self._note_feet(observation))
-            state = state if leaving else self._pursue(state, observation)
+            changed = True
+        if changed:
+            state = self._pursue(state, observation, leaving)
         if waits:
             # The user controls leg joints: a motion of the pelvis could tip the robot
             # over.
@@ -260,13 +260,16 @@ class Manipulate(BehaviorProtocol):
         return replace(state, commanded=commanded, demo_time=None)
 
     def _pursue(
-        self, state: ManipulateState, observation: Observation
+        self, state: ManipulateState, observation: Observation, leaving: bool = False
     ) -> ManipulateState:
-        """Sets the goal to the requested pose, clamped."""
+        """Sets the goal to the requested pose, clamped, or back to STAND's."""
         upper = self._reach.upper_body(observation.terms, state.stance)
         home = self._home(observation, state.stance)
         home = self._reach.attainable(home, state.stance, upper)
-        goal = self._reach.clamp(state.commanded, home, state.stance, upper)
+        if leaving:
+            goal = home
+        else:
+            goal = self._reach.clamp(state.commanded, home, state.stance, upper)
         return replace(state, home=home, goal=goal, upper=upper)
 
     def _arms_moved(self, state: ManipulateState, observation: Observation) -> bool:

@@ -72,6 +72,9 @@ class PostureRules(Configuration):
     rise_slack: NotNegative[Meters] = 0.01
     """Tolerance of the greatest rise, for ground that differs from the step's
     height."""
+    joint_slack: NotNegative[Radians] = 0.02
+    """Distance beyond a joint's stop that the kinematics of a posture may be wrong
+    by."""
     drop: NotNegative[Meters] = 0.02
     """Distance by which the body sinks for a leg's reach before a heel rises."""
     steepest_heel: NotNegative[Radians] = 0.6

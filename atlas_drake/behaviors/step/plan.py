@@ -24,6 +24,7 @@ from atlas_drake.control.feet.leg_kinematics import (
     hips_from_com,
     knee_for_length,
     leg_length,
+    leg_solver,
     lowest_com,
 )
 from atlas_drake.control.feet.sole_motion import pitched_pose
@@ -32,7 +33,7 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
-from atlas_drake.rotations import rotation_z
+from atlas_drake.rotations import mean_yaw, rotation_y, rotation_z
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,11 @@ class StepPlanner:
         """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         robot = balance.robot
         self.legs = robot.legs
+        self._solvers = [leg_solver(leg) for leg in self.legs]
+        self._ranges = [
+            (robot.position_lower[leg.joints], robot.position_upper[leg.joints])
+            for leg in self.legs
+        ]
         self.half_length = 0.5 * robot.file.sole.length
         self._nominal_height = nominal_height
         # A sideways distance up to this width does not reduce the reach.
@@ -112,7 +118,7 @@ class StepPlanner:
                     plan = self.posture(terms, feet, nearer, effort)
                     lever = knee_effort * self._lever
                     if self._affordable(plan, feet, lever):
-                        return plan
+                        return plan if self._can_shift(plan, feet) else None
         return None
 
     def posture(
@@ -180,6 +186,29 @@ class StepPlanner:
             lever,
             self._rules.squat,
         )
+
+    def _can_shift(self, plan: StepPlan, feet: tuple[FootPose, FootPose]) -> bool:
+        """Returns True if all joints of the legs reach the end of the weight shift.
+
+        With feet far apart and turned toward each other a hip may be at its stop, while
+        both legs are long enough.
+        """
+        R_WP = rotation_z(mean_yaw(feet[0].yaw, feet[1].yaw)) @ rotation_y(plan.lean)
+        com = np.append(plan.com, plan.height)
+        for foot, leg in enumerate(self.legs):
+            sole = feet[foot]
+            if foot == plan.taken.foot:
+                sole = pitched_pose(sole, plan.heel, self.half_length)
+            p_WP = com + plan.hips[foot] - R_WP @ leg.p_PT
+            p_PF = R_WP.T @ (sole.p_WF - p_WP)
+            held = self._solvers[foot](p_PF, R_WP.T @ sole.R_WF, None)
+            if held is None:
+                return False
+            lower, upper = self._ranges[foot]
+            beyond = np.maximum(lower - held.angles, held.angles - upper)
+            if beyond.max() > self._rules.joint_slack:
+                return False
+        return True
 
     def shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
         """Returns the step moved towards the place beside the stance foot."""
