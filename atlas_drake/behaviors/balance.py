@@ -298,6 +298,17 @@ class Balance:
         whole = self._patches.whole.corners
         return 1.0 if pose.part is None else area(pose.part) / area(whole)
 
+    def airborne(self, observation: Observation) -> int | None:
+        """Returns the foot in the air; None while both are down, or neither is."""
+        left, right = observation.terms.feet
+        if abs(float(left.p_WF[2] - right.p_WF[2])) < self.gains.contact.lifted:
+            return None
+        light = [
+            self._felt(observation, foot) < self.gains.contact.light
+            for foot in (LEFT, RIGHT)
+        ]
+        return light.index(True) if sum(light) == 1 else None
+
     def _felt(self, observation: Observation, foot: int) -> float:
         """Returns the load on a foot, in weights of the robot."""
         felt = float(observation.foot_force[foot]) / self.weight

@@ -27,8 +27,8 @@ class Recovery:
     def is_needed(self, observation: Observation) -> bool:
         """Returns True if no CoP under the feet keeps the DCM bounded.
 
-        Both legs have to be free for a step: neither under the user's control, nor in
-        the air.
+        Both legs have to be free for a step, not under the user's control, and one of
+        them has to carry the robot.
         """
         config = self._config
         if not config.recovery_steps or observation.user_share[self._legs].any():
@@ -39,9 +39,13 @@ class Recovery:
         terms = observation.terms
         omega = observation.pendulum_frequency(mean_sole_height(terms))
         dcm = feedback.dcm(terms, omega)
-        if self._is_between_the_feet(dcm, observation):
+        airborne = self._balance.airborne(observation)
+        if airborne is not None:
+            support = self._balance.support(observation.foot_pose(1 - airborne))
+        elif self._is_between_the_feet(dcm, observation):
             return False
-        support = self._balance.support(*observation.foot_poses)
+        else:
+            support = self._balance.support(*observation.foot_poses)
         return support.distance_outside(dcm) > config.recovery_margin
 
     def _is_between_the_feet(self, dcm: np.ndarray, observation: Observation) -> bool:

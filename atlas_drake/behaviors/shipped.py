@@ -86,7 +86,13 @@ SHIPPED_ENTRIES = (
         recovers=True,
     ),
     _entry(Behavior.WALK, make=Walk, config=WalkConfig(), lifts_feet=True),
-    _entry(Behavior.STEP, make=Step, config=StepConfig(), lifts_feet=True),
+    _entry(
+        Behavior.STEP,
+        make=Step,
+        config=StepConfig(),
+        lifts_feet=True,
+        recovers=True,
+    ),
     _entry(
         Behavior.MANIPULATE, make=_manipulate, config=ManipulateConfig(), recovers=True
     ),

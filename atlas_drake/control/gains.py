@@ -124,6 +124,10 @@ class ContactModel(Configuration):
     """Turn of a sole from which other places of it carry than before."""
     moved: NotNegative[Meters] = 0.05
     """Distance of a sole from where it landed from which it stands elsewhere."""
+    light: NotNegative[Ratio] = 0.02
+    """Load below which a foot may be in the air, in weights of the robot."""
+    lifted: NotNegative[Meters] = 0.02
+    """Difference of the feet's heights from which such a foot is in the air."""
     full_load: Positive[Ratio] = 3.0
     """Upper bound of the normal force on one sole, in weights of the robot."""
 

@@ -93,15 +93,16 @@ def observe(model):
 
 @pytest.fixture(scope="session")
 def walk_message():
-    """Makes a WALK command from (index, foot, x, y) of each step."""
+    """Makes a WALK command from (index, foot, x, y) of each step, and z if not 0."""
 
     def make(*steps, duration=0.63):
         command = AtlasSimInterfaceCommand(behavior="WALK")
-        for place, (index, foot, x, y) in enumerate(steps):
+        for place, (index, foot, x, y, *z) in enumerate(steps):
             step = AtlasBehaviorStepData()
             step.step_index, step.foot_index = index, foot
             step.duration, step.swing_height = duration, 0.1
             step.pose.position.x, step.pose.position.y = x, y
+            step.pose.position.z = sum(z)
             command.walk_params.step_queue[place] = step
         return command
 

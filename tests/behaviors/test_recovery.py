@@ -65,7 +65,9 @@ def capture(balance, com, dcm, **goes_on):
     feet = tuple(FootPose(np.array([0.0, y, 0.05]), np.eye(3)) for y in (0.12, -0.12))
     supports = tuple(balance.support(pose) for pose in feet)
     com, dcm = np.array(com), np.array(dcm)
-    step = capture_step(3, feet, supports, com, dcm, OMEGA, CONFIG, **goes_on)
+    step = capture_step(
+        3, (LEFT, RIGHT), feet, supports, com, dcm, OMEGA, CONFIG, **goes_on
+    )
     cop = supports[1 - step.foot].clamp(dcm)
     return step, cop, dcm - cop
 

@@ -28,6 +28,7 @@ LONGEST = 12.0
 """No step or walk of this file takes as long [s]."""
 LANDING_ERROR = 0.02
 """Farthest that a step within reach may land from where it was sent [m]."""
+STEPPING = StepStatus.SUBSTATE_STEPPING
 PUSH_DURATION = 0.15
 """[s]"""
 
@@ -364,6 +365,58 @@ def test_a_client_that_sends_at_every_state_stays_four_steps_ahead(walk_message)
         assert ahead <= 4
     assert ahead == 4
     assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
+
+
+MESSAGES = {
+    "the first foot changes as the weight shifts": (
+        (0.0, ((1, LEFT, 0.2, 0.14), (2, RIGHT, 0.2, -0.14))),
+        (0.6, ((1, RIGHT, 0.2, -0.14), (2, LEFT, 0.2, 0.14))),
+    ),
+    "the first steps come as the weight shifts": (
+        (0.0, ()),
+        (0.3, ((1, LEFT, 0.2, 0.14), (2, RIGHT, 0.2, -0.14))),
+    ),
+    "a step in the swing, and one that is too high": (
+        (0.0, ((1, LEFT, 0.22, 0.14),)),
+        (1.2, ((2, RIGHT, 0.44, -0.14), (3, LEFT, 0.6, 0.14, 0.25))),
+    ),
+    "a step that was too high is corrected as the robot settles": (
+        (0.0, ((1, LEFT, 0.22, 0.14), (2, RIGHT, 0.44, -0.14, 0.25))),
+        (1.6, ((2, RIGHT, 0.22, -0.14),)),
+    ),
+}
+"""By name: times of messages [s], and their steps: index, foot, x, y, z [m]."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("messages", MESSAGES.values(), ids=MESSAGES)
+def test_steps_land_on_their_places_whenever_their_message_comes(
+    walk_message, messages
+):
+    robot = Recording()
+    for time, steps in messages:
+        robot.advance(time - robot.sim.time)
+        robot.sim.publish(walk_message(*steps))
+        robot.advance(LOOK)
+    assert robot.advance(LONGEST, in_stand)
+    assert [step["index"] for step in robot.sim.footsteps] == [1, 2]
+    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, -1.0)])
+def test_a_push_in_step_with_a_foot_in_the_air_is_caught(direction):
+    robot = Recording()
+    robot.send(1, LEFT, 0.1, 0.14)
+    assert robot.advance(
+        LONGEST, lambda report: report.step_feedback.status_flags == STEPPING
+    )
+    robot.advance(0.4)
+    force = 0.44 * robot.sim.robot.mass / PUSH_DURATION * np.array([*direction, 0.0])
+    robot.sim.apply_push("trunk", force, PUSH_DURATION)
+    robot.advance(4.0)
+    assert robot.texts("recovery")
+    assert not robot.sim.has_fallen
 
 
 @pytest.mark.slow

@@ -56,6 +56,12 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
             toes = isinstance(phase, Transfer) and phase.toe_off
             support = planner.support(progress, phase.unloading if toes else None)
             phase = replace(phase, progress=progress, support=support)
+        coming = planner.coming(phase.progress)
+        first = coming[0].foot if coming else phase.unloading
+        if isinstance(phase, InitialTransfer) and first != phase.unloading:
+            # A message has changed the first foot: the weight shifts anew.
+            now = phase.planned
+            return planner.initial_transfer(phase.progress, now.dcm, now.cop), ()
         lost = is_dcm_lost(phase, observation, self._rules.dcm_lost)
         if lost and not planner.coming(phase.progress):
             return planner.recover(phase.progress, observation)
@@ -179,7 +185,7 @@ class Settling(PhaseControl[FinalTransfer]):
             square_up = planner.square_up(progress)
             if square_up is not None:
                 return planner.initial_transfer(square_up, now.dcm, now.cop), ()
-        if phase.obstacle or not planner.coming(progress):
+        if not planner.coming(progress):
             return phase, ()
         return planner.initial_transfer(progress, now.dcm, now.cop), ()
 

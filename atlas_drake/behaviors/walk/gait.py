@@ -17,7 +17,7 @@ from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward, saturate
 from atlas_drake.frozen import replace
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 
@@ -131,6 +131,7 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
 
 def capture_step(
     index: int,
+    free: Sequence[int],
     feet: Sequence[FootPose],
     supports: Sequence[SupportPolygon],
     com: np.ndarray,
@@ -141,12 +142,12 @@ def capture_step(
 ) -> Footstep:
     """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
 
-    The foot that gets nearer to that point steps. The CoP r is the point of the other
-    sole that is nearest to the DCM. The time T is that of a quick swing, though balance
-    may hasten it: the robot stops more surely behind a long step. Sideways, where the
-    DCM goes away from the stance foot in any case, that holds only for a robot that
-    moves sideways as fast as ahead or back; else T is that of the fastest swing. It
-    is so, too, in a walk that ``goes_on``.
+    Of the ``free`` feet the one that gets nearer to that point steps. The CoP r is the
+    point of the other sole that is nearest to the DCM. The time T is that of a quick
+    swing, though balance may hasten it: the robot stops more surely behind a long step.
+    Sideways, where the DCM goes away from the stance foot in any case, that holds only
+    for a robot that moves sideways as fast as ahead or back; else T is that of the
+    fastest swing. It is so, too, in a walk that ``goes_on``.
     """
     duration = config.limits.duration.least
     fast = math.exp(omega * config.adjustment.shortest_swing)
@@ -166,8 +167,7 @@ def capture_step(
         step = saturate(step, stance, config.limits)
         return float(np.hypot(*(step.p_WF[:2] - point))), step
 
-    left, right = step_of(LEFT), step_of(RIGHT)
-    return left[1] if left[0] <= right[0] else right[1]
+    return min(map(step_of, free), key=lambda found: found[0])[1]
 
 
 def square_up_step(

@@ -45,7 +45,7 @@ from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 P = TypeVar("P", bound=WalkPhase)
@@ -153,8 +153,10 @@ class WalkPlanner:
         self, progress: WalkProgress, observation: Observation, goes_on: bool
     ) -> Footstep:
         feet, terms = progress.feet, observation.terms
+        airborne = self._balance.airborne(observation)
         return capture_step(
             progress.next_index,
+            (LEFT, RIGHT) if airborne is None else (airborne,),
             feet,
             (self._balance.support(feet[0]), self._balance.support(feet[1])),
             terms.com[:2],
@@ -312,7 +314,7 @@ class WalkPlanner:
             plan=self._plan(progress, step_preview.steps, cop, duration),
             support=self.support(progress),
             duration=duration,
-            obstacle=step_preview.obstacle,
+            obstacle="" if step_preview.steps else step_preview.obstacle,
         )
 
     def _plan(

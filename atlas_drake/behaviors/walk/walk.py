@@ -78,9 +78,11 @@ class Walk(BehaviorProtocol):
         first = pending[0].index if pending else 1
         progress = WalkProgress(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
-        return self.planner.initial_transfer(
-            progress, dcm, self._balance.support(*feet).clamp(dcm)
-        )
+        airborne = self._balance.airborne(observation)
+        down = feet if airborne is None else (feet[1 - airborne],)
+        support = self._balance.support(*down)
+        phase = self.planner.initial_transfer(progress, dcm, support.clamp(dcm))
+        return replace(phase, support=support)
 
     def update(
         self,
