@@ -67,7 +67,9 @@ def read_only(value: _T, before: Any = None) -> _T:
         value.setflags(write=False)
     elif isinstance(value, (tuple, list)):
         earlier = before if isinstance(before, (tuple, list)) else ()
-        for item, old in zip_longest(value, earlier[: len(value)]):
+        # A queue loses its first items.
+        lost = max(len(earlier) - len(value), 0)
+        for item, old in zip_longest(value, earlier[lost:]):
             read_only(item, old)
     elif isinstance(value, dict):
         old = before if isinstance(before, dict) else {}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import math
 import statistics
 import subprocess
 import sys
@@ -29,13 +30,20 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from report import command_line, write_figures
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Scenario,
+)
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.qp import WholeBodyQp
 from atlas_drake.diagrams.contact import add_scenery
 from atlas_drake.diagrams.standing import place_robot
-from atlas_drake.robot import Robot, load_robot
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+from atlas_drake.planning.footholds import foothold, step_data
+from atlas_drake.robot import Robot, load_robot, soles
 from atlas_drake.simulation.start import draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.systems.tick_recorder import TickRecorder
@@ -47,6 +55,10 @@ UPRIGHT_SHARE = 0.9
 [-]."""
 BARE_STEP = 0.001
 """Step of the bare plant, the unit of all ratios [s]."""
+PIECES = 8
+"""Number of such pieces of a walk with steps to come."""
+BEGUN = 1.5
+"""Time after which such a walk is under way [s]."""
 RESETS = 5
 """Number of resets whose median counts."""
 GOALS = {
@@ -54,6 +66,8 @@ GOALS = {
     "tick": ("median controller tick / step of the bare plant", 2.0),
     "mcap": ("run with an .mcap log / without", 1.10),
     "view": ("run with a 3D view / without", 1.05),
+    "soles": ("run with soles / with their four corners alone", 1.05),
+    "pending": ("walk with 10,000 steps to come / with 100", 1.1),
     "reset_s": ("new run by reset(seed=...) [s]", 0.05),
     "memory": ("resident memory / that of Drake with the bare plant", 1.1),
 }
@@ -184,6 +198,8 @@ def in_turns(model: str) -> tuple[dict[str, list[float]], AtlasSimulation, bool]
             # Pictures are sent whether or not a browser is there to draw them.
             "view": AtlasSimulation(scenario, view=Meshcat()),
         }
+        with corners_alone():
+            runs["corners"] = AtlasSimulation(scenario)
         for piece in range(round(DURATION / PIECE)):
             for name, sim in runs.items():
                 begin = time.perf_counter()
@@ -197,6 +213,48 @@ def in_turns(model: str) -> tuple[dict[str, list[float]], AtlasSimulation, bool]
     print("\r" + " " * 20 + "\r", end="")
     stood = bare.pelvis_height() > UPRIGHT_SHARE * start_height
     return walls, runs["default"], stood
+
+
+@contextmanager
+def corners_alone() -> Iterator[None]:
+    """Lets robots that are loaded meanwhile touch by the corners of their soles."""
+    kept, soles.SPACING = soles.SPACING, math.inf
+    try:
+        yield
+    finally:
+        soles.SPACING = kept
+
+
+def pending() -> dict[str, float]:
+    """Compares walks on the spot with many and with few steps to come."""
+    walls: dict[int, list[float]] = {}
+    sims = {count: walk_with(count) for count in (100, 10_000)}
+    for _ in range(PIECES):
+        for count, sim in sims.items():
+            begin = time.perf_counter()
+            sim.advance(PIECE)
+            walls.setdefault(count, []).append(time.perf_counter() - begin)
+    return ratio(walls[10_000], walls[100])
+
+
+def walk_with(count: int) -> AtlasSimulation:
+    """Begins a walk on the spot with so many steps to come."""
+    sim = AtlasSimulation()
+    gait = sim.scenario.controller_config().gait()
+    feet = [foothold(pose) for pose in sim.atlas_sim_interface_state.foot_pos_est]
+    for first in range(1, count, NUM_REQUIRED_WALK_STEPS):
+        command = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
+        command.walk_params.step_queue = [
+            step_data(index, index % 2, feet[index % 2], gait)
+            for index in range(first, first + NUM_REQUIRED_WALK_STEPS)
+        ]
+        sim.publish(command)
+        if first == 1:
+            sim.advance(BEGUN)
+    # Requests of one instant are kept until a later one comes.
+    sim.advance(BEGUN)
+    sim.publish(command)
+    return sim
 
 
 def ratio(over: list[float], under: list[float]) -> dict[str, float]:
@@ -225,6 +283,8 @@ def measure(model: str) -> dict:
         "default": ratio(walls["default"], walls["bare"]),
         "mcap": ratio(walls["mcap"], walls["default"]),
         "view": ratio(walls["view"], walls["default"]),
+        "soles": ratio(walls["default"], walls["corners"]),
+        "pending": pending(),
     }
     return {
         "model": model,

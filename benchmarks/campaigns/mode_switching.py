@@ -16,20 +16,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from random_walks import feet_of, message_of, random_steps
 
 from atlas_drake import (
     K_EFFORT_MAX,
-    AtlasBehaviorStepData,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
-    Pose,
-    Quaternion,
-    Vector3,
 )
+from atlas_drake.frozen import replace
 
-PAUSE = (0.4, 3.0)
+PAUSE = (0.1, 3.0)
 """Time between two actions [s]."""
 USER_LIMBS = ("l_arm", "r_arm", "neck")
 """Limbs that the user takes and returns while the behavior balances."""
@@ -119,41 +117,26 @@ class Mind:
             self.sim.advance(0.1)
 
     def _queue(self) -> AtlasSimInterfaceCommand:
-        """Makes four steps in a random direction, from the present footholds."""
-        random = self.random
-        feet = self.sim.atlas_sim_interface_state.foot_pos_est
-        x, y = (np.mean([getattr(f.position, axis) for f in feet]) for axis in "xy")
-        z = float(np.mean([f.position.z for f in feet]))
-        yaw = _yaw(feet[0].orientation)
-        stride = float(random.uniform(-0.15, 0.25))
-        turn = float(random.uniform(-0.15, 0.15))
-        first = int(random.integers(2))
+        """Makes one to four steps, from the present footholds, wherever they lead."""
+        limits = self.sim.scenario.controller_config().walk.limits
+        count = int(self.random.integers(1, 5))
+        steps = random_steps(
+            feet_of(self.sim), limits, self.random, count, closes=False
+        )
         command = self._ask(Behavior.WALK)
-        for place in range(4):
-            foot = (first + place) % 2
-            yaw += turn
-            share = 1.0 if place < 3 else 0.0
-            x += share * stride * np.cos(yaw)
-            y += share * stride * np.sin(yaw)
-            side = 0.12 if foot == 0 else -0.12
-            command.walk_params.step_queue[place] = AtlasBehaviorStepData(
-                step_index=place + 1,
-                foot_index=foot,
-                duration=float(random.uniform(0.63, 0.9)),
-                swing_height=float(random.uniform(0.05, 0.2)),
-                pose=_pose(x - side * np.sin(yaw), y + side * np.cos(yaw), z, yaw),
-            )
+        for place, step in enumerate(steps):
+            command.walk_params.step_queue[place] = message_of(step)
         return command
 
     def walk(self) -> None:
-        """Four steps, to the end."""
+        """A few steps, to the end."""
         self._stand()
         self.sim.publish(self._queue())
         self.sim.advance(0.1)
         self._until(lambda: self.sim.current_behavior is Behavior.STAND)
 
     def walk_and_stop(self) -> None:
-        """Four steps, and STAND at any moment of them."""
+        """A few steps, and STAND at any moment of them."""
         self._stand()
         self.sim.publish(self._queue())
         self.sim.advance(float(self.random.uniform(0.1, 3.0)))
@@ -162,22 +145,11 @@ class Mind:
     def step(self) -> None:
         """One quasi-static step."""
         self._stand()
+        limits = self.sim.scenario.controller_config().step.limits
+        (step,) = random_steps(feet_of(self.sim), limits, self.random, 1, closes=False)
         command = self._ask(Behavior.STEP)
-        foot = int(self.random.integers(2))
-        place = self.sim.atlas_sim_interface_state.foot_pos_est[foot]
-        yaw = _yaw(place.orientation)
-        forward = float(self.random.uniform(-0.1, 0.15))
-        command.step_params.desired_step = AtlasBehaviorStepData(
-            step_index=1,
-            foot_index=foot,
-            duration=1.0,
-            swing_height=0.1,
-            pose=_pose(
-                place.position.x + forward * np.cos(yaw),
-                place.position.y + forward * np.sin(yaw),
-                place.position.z,
-                yaw,
-            ),
+        command.step_params.desired_step = message_of(
+            replace(step, duration=1.0, swing_height=0.1)
         )
         self.sim.publish(command)
         self.sim.advance(float(self.random.uniform(1.0, 6.0)))
@@ -191,11 +163,11 @@ class Mind:
         for _ in range(int(random.integers(1, 4))):
             wish = command.manipulate_params.desired
             wish.pelvis_height = float(random.uniform(0.6, 0.95))
-            wish.pelvis_yaw, wish.pelvis_pitch, wish.pelvis_roll = map(
-                float, random.uniform(-0.2, 0.2, 3)
-            )
-            wish.com_v0 = float(random.uniform(-0.1, 0.1))
-            wish.com_v1 = float(random.uniform(-0.05, 0.05))
+            wish.pelvis_yaw = float(random.uniform(-0.2, 0.2))
+            wish.pelvis_pitch = float(random.uniform(-0.3, 0.5))
+            wish.pelvis_roll = float(random.uniform(-0.3, 0.3))
+            wish.com_v0 = float(random.uniform(-0.15, 0.15))
+            wish.com_v1 = float(random.uniform(-0.07, 0.07))
             self.sim.publish(command)
             self.sim.advance(float(random.uniform(0.3, 2.0)))
         self._stand()
@@ -232,20 +204,6 @@ class Mind:
         sim.publish(stand)
         sim.advance(0.1)
         self._stand()
-
-
-def _pose(x: float, y: float, z: float, yaw: float) -> Pose:
-    half = 0.5 * yaw
-    return Pose(
-        position=Vector3(float(x), float(y), float(z)),
-        orientation=Quaternion(0.0, 0.0, float(np.sin(half)), float(np.cos(half))),
-    )
-
-
-def _yaw(q: Quaternion) -> float:
-    return float(
-        np.arctan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
-    )
 
 
 def _megabytes() -> float:

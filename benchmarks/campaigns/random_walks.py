@@ -80,10 +80,12 @@ def random_steps(
     random: np.random.Generator,
     num_steps: int = NUM_STEPS,
     slowest: float = SLOWEST,
+    closes: bool = True,
 ) -> list[Footstep]:
     """Draws steps within the limits, from these poses of the soles.
 
-    The last step puts the feet side by side, as far apart as they were.
+    The last step puts the feet side by side, as far apart as they were, if it
+    ``closes`` the walk.
     """
     now, apart = list(feet), float(np.hypot(*(feet[0].p_WF - feet[1].p_WF)[:2]))
     foot, left = int(random.choice([LEFT, RIGHT])), 0
@@ -95,7 +97,7 @@ def random_steps(
         left -= 1
         start, stance = now[foot], now[1 - foot]
         place, turn = [leg.ahead, outward(foot) * leg.widths[foot], 0.0], leg.turn
-        if len(steps) == num_steps - 1:
+        if closes and len(steps) == num_steps - 1:
             place, turn = [0.0, outward(foot) * apart, 0.0], 0.0
         step = Footstep(
             index=len(steps) + 1,
@@ -128,9 +130,9 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     random = np.random.default_rng(sim.scenario.seed)
     num_steps = int(parameters.get("num_steps", NUM_STEPS))
     slowest = float(parameters.get("slowest", SLOWEST))
-    feet = _feet(sim)
+    feet = feet_of(sim)
     steps = random_steps(feet, limits, random, num_steps, slowest)
-    stream = StepStream([_message(step) for step in steps])
+    stream = StepStream([message_of(step) for step in steps])
     begun = 0
     while not sim.has_fallen:
         command = stream.next_command(sim.atlas_sim_interface_state)
@@ -167,13 +169,14 @@ def _last(
     }
 
 
-def _feet(sim: AtlasSimulation) -> list[FootPose]:
+def feet_of(sim: AtlasSimulation) -> list[FootPose]:
     """Poses of the soles on level ground."""
     places = map(foothold, sim.atlas_sim_interface_state.foot_pos_est)
     return [FootPose(np.array([x, y, 0.0]), rotation_z(yaw)) for x, y, yaw in places]
 
 
-def _message(step: Footstep) -> AtlasBehaviorStepData:
+def message_of(step: Footstep) -> AtlasBehaviorStepData:
+    """The message of a step on level ground."""
     message = AtlasBehaviorStepData(
         step_index=step.index,
         foot_index=step.foot,
