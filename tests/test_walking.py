@@ -163,7 +163,7 @@ def test_tilted_footholds(walk):
     terrain, steps = [], []
     for index, (roll, pitch) in enumerate(tilts, 1):
         R_WF = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix()
-        steps.append(step(index, 0.2 * index, height, R_WF, half_width))
+        steps.append(step(index, 0.15 + 0.2 * index, height, R_WF, half_width))
         position = steps[-1].pose.position.to_array()
         rpy = [roll, pitch, 0.0]
         terrain.append(Block(size=[0.36, 0.22, 0.02], position=position, rpy=rpy))

@@ -289,7 +289,8 @@ class Balance:
             return so_far
         down = corners_down(ground, sole, corners, model.level)
         if down.all():
-            return so_far if so_far.part is None else replace(so_far, part=None)
+            # There is ground below all of it, even if the heel rises later.
+            return WHOLE
         cop = observation.foot_cop(foot)
         return observed(so_far, down, sole.R_WF[:, 2], cop, corners, model)
 

@@ -27,8 +27,8 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from atlas_drake.robot.file import RobotFile, SoleSize
 
-RADIUS = 0.01
-"""Radius of the balls [m]."""
+RADIUS = 0.08
+"""Radius of the balls, in widths of the sole [-]."""
 SPACING = 0.05
 """Largest distance between neighboring balls along and across the sole [m]: less than
 the smaller side of a brick."""
@@ -94,7 +94,7 @@ def add_soles(
             plant.RegisterCollisionGeometry(
                 body,
                 X_BF @ RigidTransform(p_FS),
-                Sphere(RADIUS),
+                Sphere(RADIUS * file.sole.width),
                 f"{foot.sole_frame}_{number}",
                 materials[0] if materials else _default_material(),
             )
@@ -119,13 +119,13 @@ def ball_centers(sole: SoleSize) -> list[np.ndarray]:
 
     Those at the corners come first, and touch the sole's plane from above.
     """
-    x, y = 0.5 * sole.length, 0.5 * sole.width
+    x, y, radius = 0.5 * sole.length, 0.5 * sole.width, RADIUS * sole.width
     corners = list(itertools.product((x, -x), (y, -y)))
     grid = itertools.product(*map(_spread, (sole.length, sole.width)))
     others = [place for place in grid if place not in corners]
     return [
-        *(np.array([*place, RADIUS]) for place in corners),
-        *(np.array([*place, RADIUS + RECESS]) for place in others),
+        *(np.array([*place, radius]) for place in corners),
+        *(np.array([*place, radius + RECESS]) for place in others),
     ]
 
 

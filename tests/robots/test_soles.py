@@ -15,14 +15,15 @@ def depth(sole, x, y, turn, size=(0.10, 0.05)):
     """How far a brick's top gets into a sole before it touches [m]; inf if never."""
     c, s = math.cos(turn), math.sin(turn)
     depths = []
+    radius = RADIUS * sole.width
     for center in ball_centers(sole):
         ahead, left, height = center - [x, y, 0.0]
         along, across = abs(c * ahead + s * left), abs(c * left - s * ahead)
         beside = math.hypot(
             max(along - size[0] / 2, 0.0), max(across - size[1] / 2, 0.0)
         )
-        if beside < RADIUS:
-            depths.append(height - math.sqrt(RADIUS**2 - beside**2))
+        if beside < radius:
+            depths.append(height - math.sqrt(radius**2 - beside**2))
     return min(depths, default=math.inf)
 
 
@@ -37,7 +38,8 @@ def test_a_brick_is_felt_anywhere_below_a_sole():
 @pytest.mark.parametrize("length", [0.05, 0.17, 0.26])
 def test_level_ground_is_touched_by_the_corners_alone(length):
     sole = SoleSize(length=length, width=0.4 * length)
-    lowest = np.array([center[2] - RADIUS for center in ball_centers(sole)])
+    heights = np.array([center[2] for center in ball_centers(sole)])
+    lowest = heights - RADIUS * sole.width
     np.testing.assert_allclose(lowest[:CORNERS], 0.0, atol=1e-12)
     np.testing.assert_allclose(lowest[CORNERS:], RECESS)
     corners = np.abs(ball_centers(sole)[:CORNERS])
