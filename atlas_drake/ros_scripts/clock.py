@@ -180,7 +180,9 @@ class Clock:
 
         def run() -> None:
             try:
-                loop()
+                # The program may end while callbacks wait for their turn.
+                with suppress(*ENDED):
+                    loop()
             except BaseException as error:
                 self.shut_down(error)
 

@@ -1,6 +1,5 @@
 """``atlas-drake script``: what it prints, writes and returns, and the examples."""
 
-import io
 import json
 import math
 import os
@@ -205,9 +204,11 @@ def test_ctrl_c_ends_a_program_and_its_summary_is_written(
     ],
 )
 def test_the_examples_run_to_a_good_end(
-    name, arguments, keys, words, capsys, monkeypatch
+    name, arguments, keys, words, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr("sys.stdin", io.StringIO(keys))
+    typed = tmp_path / "keys"
+    typed.write_text(keys)
+    monkeypatch.setattr("sys.stdin", typed.open())
     command = ["script", str(EXAMPLES / f"{name}.py"), "--headless"]
     assert main([*command, *arguments]) == 0
     out = capsys.readouterr().out
