@@ -240,3 +240,26 @@ def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     assert robot.outcome.finished
     robot.tick(observe(), request)
     assert robot.feedback.clamped.pelvis_height == 0.85
+
+
+def test_the_way_back_to_stand_is_as_low_as_the_legs_need(parts, start, observe):
+    # With feet far apart no leg is long enough for STAND's height.
+    seen = observe()
+    feet = list(seen.terms.feet)
+    for foot, side in enumerate((1.0, -1.0)):
+        aside = np.array([-0.15 * side, 0.22 * side, 0.0])
+        feet[foot] = feet[foot]._replace(p_WF=feet[foot].p_WF + aside)
+    terms = dataclasses.replace(seen.terms, feet=tuple(feet))
+    seen = dataclasses.replace(seen, terms=terms)
+    request, stand = asked(use_desired=False), AtlasSimInterfaceCommand()
+    body = capture_body(terms)
+    behavior = parts[0]
+    robot = Ticked(behavior, behavior.enter(seen, body, request), body)
+    robot.tick(seen, request)
+    robot.tick(seen, as_request(stand), leaving=True)
+    state = robot.state
+    home = behavior._home(seen, state.stance)
+    upper = behavior._reach.upper_body(terms, state.stance)
+    assert not behavior._reach.allows(home, state.stance, upper)
+    assert behavior._reach.allows(state.goal, state.stance, upper)
+    assert state.goal.height < home.height

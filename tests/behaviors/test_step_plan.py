@@ -57,6 +57,20 @@ def test_plans_of_both_feet_are_mirror_images(planner, seen):
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(("inward", "is_planned"), [(-0.2, True), (0.29, False)])
+def test_a_weight_shift_that_a_hip_does_not_reach_is_not_planned(
+    planner, seen, foot, inward, is_planned
+):
+    # The foot is far behind and aside; the hip turns inward by 0.17 rad only.
+    terms, feet = seen[0], list(seen[1])
+    stance, side = feet[1 - foot], outward(foot)
+    p_WF = stance.p_WF + np.array([-0.30, 0.38 * side, 0.0])
+    feet[foot] = FootPose(p_WF, rotation_z(-inward * side))
+    desired = step_of(seen[1], foot)
+    assert (planner.plan(terms, tuple(feet), desired) is not None) == is_planned
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
 @pytest.mark.parametrize("behind", [0.0, 0.2, 0.4])
 def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
     terms, feet = seen[0], list(seen[1])
