@@ -287,7 +287,7 @@ class Balance:
             return WHOLE
         if self._felt(observation, foot) < model.least_felt:
             return so_far
-        down = corners_down(ground, sole, corners, model.level)
+        down = corners_down(ground, sole, corners)
         if down.all():
             # There is ground below all of it, even if the heel rises later.
             return WHOLE

@@ -111,9 +111,6 @@ class ContactModel(Configuration):
     load_growth: Positive[Ratio] = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one:
     a sole is trusted with the full weight after four ticks."""
-    level: NotNegative[Meters] = 0.004
-    """A corner of a sole that is farther than this from the planned ground is not
-    down."""
     explored: Positive[Meters] = 0.015
     """Distance from where the center of pressure has been up to which a sole that is
     not down as a whole is counted on."""

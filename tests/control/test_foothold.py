@@ -26,7 +26,7 @@ def sole(R_WF, z):
 
 def seen(foothold, R_WF, z, *cops):
     for cop in cops:
-        down = corners_down(GROUND, sole(R_WF, z), CORNERS, MODEL.level)
+        down = corners_down(GROUND, sole(R_WF, z), CORNERS)
         foothold = observed(foothold, down, R_WF[:, 2], np.array(cop), CORNERS, MODEL)
     return foothold
 
@@ -41,7 +41,7 @@ def test_corners_are_down_within_the_tolerance_on_a_slope_too():
         for height, is_down in ((0.0, True), (0.01, False), (-0.01, False)):
             p_WF = ground.p_WF + height * tilt[:, 2] + 0.02 * tilt[:, 0]
             there = FootPose(p_WF, tilt)
-            assert (corners_down(ground, there, CORNERS, 0.004) == is_down).all()
+            assert (corners_down(ground, there, CORNERS) == is_down).all()
             below = ground_below(there, ground)
             np.testing.assert_allclose(
                 below.p_WF, p_WF - height * tilt[:, 2], atol=1e-12

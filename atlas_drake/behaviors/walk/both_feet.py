@@ -28,7 +28,7 @@ from atlas_drake.control.feet.foot_roll import falling
 from atlas_drake.control.feet.sole_motion import FLAT, at_rest
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.messages.footstep import LEFT, RIGHT
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 
 SHOWN = 10
 """Number of steps that an event names one by one."""
@@ -50,7 +50,7 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
-        feet = on_present_parts(phase.progress.feet, observation)
+        feet = feet_in(phase, observation, self._roll.flat_after)
         if feet is not phase.progress.feet:
             progress = replace(phase.progress, feet=feet)
             toes = isinstance(phase, Transfer) and phase.toe_off
@@ -173,7 +173,7 @@ class Settling(PhaseControl[FinalTransfer]):
     ) -> tuple[FinalTransfer | InitialTransfer | WalkSwing, tuple[Event, ...]]:
         """Begins a new weight shift if steps arrived, or the feet stand apart."""
         planner, now = self._planner, phase.planned
-        feet = on_present_parts(phase.progress.feet, observation)
+        feet = feet_in(phase, observation, self._config.roll.flat_after)
         if feet is not phase.progress.feet:
             progress = replace(phase.progress, feet=feet)
             support = planner.support(progress)
@@ -200,6 +200,18 @@ class Settling(PhaseControl[FinalTransfer]):
         speed = float(np.abs(observation.terms.com_velocity).max())
         over = phase.elapsed > phase.duration + self._config.timing.rest
         return over and speed < self._config.rules.rest_speed
+
+
+def feet_in(
+    phase: WalkPhase, observation: Observation, flat_after: float
+) -> tuple[FootPose, FootPose]:
+    """Returns the feet with the parts that carry, once a landed sole may lie flat.
+
+    Until then, ``flat_after`` [s], the sole counts as whole: its edge lands first.
+    """
+    if phase.elapsed < flat_after:
+        return phase.progress.feet
+    return on_present_parts(phase.progress.feet, observation)
 
 
 def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:

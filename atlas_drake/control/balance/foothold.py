@@ -20,6 +20,9 @@ from atlas_drake.control.whole_body.terms import FrameTerms
 from atlas_drake.frozen import Frozen, read_only, replace
 from atlas_drake.messages.footstep import FootPose
 
+LEVEL = 0.004
+"""A corner of a sole that is farther than this from the planned ground is not down [m]:
+how even ground is does not depend on the robot."""
 MOST_CORNERS = 6
 """Greatest number of corners of a part that carries."""
 _AROUND = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
@@ -58,15 +61,15 @@ def ground_below(landed: FootPose, aimed: FootPose) -> FootPose:
 
 
 def corners_down(
-    ground: FootPose, sole: FootPose | FrameTerms, corners: np.ndarray, level: float
+    ground: FootPose, sole: FootPose | FrameTerms, corners: np.ndarray
 ) -> np.ndarray:
-    """Determines which corners of a sole are within ``level`` [m] of planned ground.
+    """Determines which corners of a sole are within ``LEVEL`` of planned ground.
 
     ``corners`` are in F [m], shape (k, 2); returns booleans, shape (k,).
     """
     normal = ground.R_WF[:, 2]
     heights = corners @ (normal @ sole.R_WF)[:2] + normal @ (sole.p_WF - ground.p_WF)
-    return np.abs(heights) < level
+    return np.abs(heights) < LEVEL
 
 
 def observed(
