@@ -6,6 +6,7 @@ Computes each tick of these phases; ``planner`` makes the plans that they follow
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -28,8 +29,9 @@ from atlas_drake.control.feet.foot_roll import falling
 from atlas_drake.control.feet.sole_motion import FLAT, at_rest
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.messages.footstep import LEFT, RIGHT
 
+P = TypeVar("P", bound=WalkPhase)
 SHOWN = 10
 """Number of steps that an event names one by one."""
 
@@ -50,12 +52,9 @@ class DoubleSupport(PhaseControl[InitialTransfer | Transfer]):
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
-        feet = feet_in(phase, observation, self._roll.flat_after)
-        if feet is not phase.progress.feet:
-            progress = replace(phase.progress, feet=feet)
-            toes = isinstance(phase, Transfer) and phase.toe_off
-            support = planner.support(progress, phase.unloading if toes else None)
-            phase = replace(phase, progress=progress, support=support)
+        toes = isinstance(phase, Transfer) and phase.toe_off
+        on_toes, flat_after = phase.unloading if toes else None, self._roll.flat_after
+        phase = on_what_carries(phase, observation, planner, flat_after, on_toes)
         coming = planner.coming(phase.progress)
         first = coming[0].foot if coming else phase.unloading
         if isinstance(phase, InitialTransfer) and first != phase.unloading:
@@ -173,11 +172,8 @@ class Settling(PhaseControl[FinalTransfer]):
     ) -> tuple[FinalTransfer | InitialTransfer | WalkSwing, tuple[Event, ...]]:
         """Begins a new weight shift if steps arrived, or the feet stand apart."""
         planner, now = self._planner, phase.planned
-        feet = feet_in(phase, observation, self._config.roll.flat_after)
-        if feet is not phase.progress.feet:
-            progress = replace(phase.progress, feet=feet)
-            support = planner.support(progress)
-            phase = replace(phase, progress=progress, support=support)
+        flat_after = self._config.roll.flat_after
+        phase = on_what_carries(phase, observation, planner, flat_after)
         progress = phase.progress
         if is_dcm_lost(phase, observation, self._config.rules.dcm_lost):
             return planner.recover(progress, observation)
@@ -202,16 +198,22 @@ class Settling(PhaseControl[FinalTransfer]):
         return over and speed < self._config.rules.rest_speed
 
 
-def feet_in(
-    phase: WalkPhase, observation: Observation, flat_after: float
-) -> tuple[FootPose, FootPose]:
-    """Returns the feet with the parts that carry, once a landed sole may lie flat.
+def on_what_carries(
+    phase: P,
+    observation: Observation,
+    planner: WalkPlanner,
+    flat_after: float,
+    on_toes: int | None = None,
+) -> P:
+    """Returns the phase on the parts of the soles that carry now.
 
-    Until then, ``flat_after`` [s], the sole counts as whole: its edge lands first.
+    For ``flat_after`` [s] a landed sole counts as whole: its edge lands first.
     """
-    if phase.elapsed < flat_after:
-        return phase.progress.feet
-    return on_present_parts(phase.progress.feet, observation)
+    feet = on_present_parts(phase.progress.feet, observation)
+    if phase.elapsed < flat_after or feet is phase.progress.feet:
+        return phase
+    progress = replace(phase.progress, feet=feet)
+    return replace(phase, progress=progress, support=planner.support(progress, on_toes))
 
 
 def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:
