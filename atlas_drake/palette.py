@@ -13,6 +13,8 @@ DCM: Color = (0.78, 0.12, 0.55)
 """Magenta."""
 COP: Color = (0.85, 0.12, 0.10)
 """Red."""
+CMP: Color = (0.95, 0.55, 0.15)
+"""Orange."""
 SUPPORT: Color = (0.20, 0.25, 0.35)
 """Grey."""
 SWING: Color = (0.05, 0.60, 0.66)

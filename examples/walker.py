@@ -242,9 +242,9 @@ class Walker(LeafSystem):
         """
         reference, weights = phase.plan.evaluate(phase.elapsed), GAINS.weights
         error = feedback.dcm(terms, self.omega) - reference.dcm
-        cop = feedback.feedback_cop(error, reference.cop, GAINS.dcm_gain)
+        cop = feedback.feedback_cmp(error, reference.cop, GAINS.dcm_gain)
         cop = self.support(phase).clamp(cop)
-        a_xy = feedback.com_acceleration_for_cop(terms.com, cop, self.omega)
+        a_xy = feedback.com_acceleration_for_cmp(terms.com, cop, self.omega)
         height = middle(phase.feet)[2] + self.height
         a_z = feedback.height_acceleration(terms, height, 0.0, GAINS.com_height)
         p_WE = np.append(cop, terms.com[2] - GRAVITY / self.omega**2)

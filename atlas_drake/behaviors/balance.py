@@ -28,6 +28,11 @@ from atlas_drake.control.balance.support_polygon import (
 from atlas_drake.control.feet.sole import sole_patches, toe_corners
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body.angular_momentum import (
+    legs_offset,
+    swing_inertia,
+    trunk_inertia,
+)
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.contact import Contact, ContactPatch
 from atlas_drake.control.whole_body.contact_tasks import (
@@ -35,7 +40,7 @@ from atlas_drake.control.whole_body.contact_tasks import (
     InternalContactTask,
     MomentTask,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.control.whole_body.tasks import (
     FrameTask,
     OrientationTask,
@@ -50,6 +55,8 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
 from atlas_drake.units import Meters, NewtonMeters
+
+_STILL = read_only(np.zeros(6))
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,7 @@ class FootCommand(NamedTuple):
 
     task: FrameTask  # Motion of the sole
     contact: Contact | None = None  # With the ground; None for a foot in the air
+    acceleration: np.ndarray = _STILL  # Of the reference of the sole, shape (6,)
 
 
 class Balance:
@@ -89,6 +97,9 @@ class Balance:
         self.sway = sway or BodySway()
         self._arm_swing = arm_swing(robot, self.sway.arms)
         self.weight = robot.mass * GRAVITY
+        model = WholeBodyModel(robot)
+        self.swing_inertia = swing_inertia(model)
+        self._trunk_inertia = trunk_inertia(model)
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
         self._joint_weight = np.where(
@@ -140,12 +151,15 @@ class Balance:
         the natural frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
-        cop, cmp = self.desired_pivots(observation, reference, omega, support)
+        desired = self._desired_cmp(observation, reference, omega)
+        offset = self._leg_offset(observation, feet, desired, omega)
+        offset += self._restoring_offset(observation, body)
+        cop, cmp = self.pivots(desired, offset, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()
         p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
-        com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cmp, omega)
+        com_acceleration[:2] = feedback.com_acceleration_for_cmp(terms.com, cmp, omega)
         com_acceleration[2] = feedback.height_acceleration(
             terms,
             body.height,
@@ -177,7 +191,10 @@ class Balance:
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(
-                com_acceleration, self._com_weight_quick if quick else self._com_weight
+                com_acceleration,
+                self._com_weight_quick
+                if quick and com_acceleration[2] > 0.0
+                else self._com_weight,
             ),
         )
 
@@ -191,29 +208,78 @@ class Balance:
             tasks += (self._internal,)
         return WholeBodyCommand(posture, (left.task, right.task, *tasks), contacts)
 
-    def desired_pivots(
+    def desired_cop(
         self,
         observation: Observation,
         reference: DcmReference,
         omega: float,
         support: SupportPolygon,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Computes CoP and CMP that track ``reference`` [m], each of shape (2,).
+    ) -> np.ndarray:
+        """Computes the CoP that tracks ``reference`` with legs at rest [m], (2,)."""
+        return support.clamp(self._desired_cmp(observation, reference, omega))
 
-        The CoP is within ``support``. The centroidal moment pivot (CMP) is where the
-        CoP would be without angular momentum: as long as the CoP suffices they are one
-        point.
-        """
-        gains = self.gains
+    def _desired_cmp(
+        self, observation: Observation, reference: DcmReference, omega: float
+    ) -> np.ndarray:
         error = feedback.dcm(observation.terms, omega) - reference.dcm
-        desired = feedback.feedback_cop(error, reference.cop, gains.dcm_gain)
-        cop = support.clamp(desired)
-        beyond = desired - cop
+        return feedback.feedback_cmp(error, reference.cmp, self.gains.dcm_gain)
+
+    def _leg_offset(
+        self,
+        observation: Observation,
+        feet: tuple[FootCommand, FootCommand],
+        cmp: np.ndarray,
+        omega: float,
+    ) -> np.ndarray:
+        """Computes how far the legs' momentum moves the CMP from the CoP [m], (2,).
+
+        The motion of a leg whose joints the user has is not known.
+        """
+        terms, held = observation.terms, observation.user_held
+        legs = [leg.joints for leg in self.robot.legs]
+        return legs_offset(
+            terms,
+            [None if held[joints].any() else joints for joints in legs],
+            [foot.acceleration for foot in feet],
+            feedback.com_acceleration_for_cmp(terms.com, cmp, omega),
+        )
+
+    def _restoring_offset(
+        self, observation: Observation, body: BodyReference
+    ) -> np.ndarray:
+        """Computes the offset of the CMP that brings the trunk upright [m], (2,).
+
+        What a swing or a push has put into the trunk would stay there until the waist
+        is at its stop. Without the back the trunk is the user's.
+        """
+        if observation.user_held[self._back].any():
+            return np.zeros(2)
+        momentum, terms = self.gains.momentum, observation.terms
+        still = np.array([0.0, 0.0, body.yaw_rate])
+        x, y, _ = orientation_acceleration(
+            body.R_WC, still, terms.R_WC, terms.w_WC, momentum.upright
+        ).tolist()
+        about_x, about_y = self._trunk_inertia
+        offset = np.array([about_y * y, -about_x * x])
+        size = math.hypot(*offset)
+        return offset * min(momentum.largest_restoring / max(size, 1e-9), 1.0)
+
+    def pivots(
+        self, desired: np.ndarray, offset: np.ndarray, support: SupportPolygon
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Computes CoP and CMP for a ``desired`` CMP [m], each of shape (2,).
+
+        The CoP is within ``support``, and the CMP away from it by the ``offset`` of the
+        moving legs; by more only if the CoP does not suffice.
+        """
+        momentum, wanted = self.gains.momentum, desired - offset
+        cop = support.clamp(wanted)
+        beyond = wanted - cop
         distance = math.hypot(*beyond)
-        if distance <= gains.momentum.dead_zone:
-            return cop, cop
-        shift = min(distance - gains.momentum.dead_zone, gains.momentum.largest_shift)
-        return cop, cop + (shift / distance) * beyond
+        if distance <= momentum.dead_zone:
+            return cop, cop + offset
+        shift = min(distance - momentum.dead_zone, momentum.largest_shift)
+        return cop, cop + offset + (shift / distance) * beyond
 
     def posture(self, observation: Observation, body: BodyReference) -> np.ndarray:
         """Computes joint accelerations towards the posture [rad/s²], shape (n,)."""
@@ -335,7 +401,8 @@ class Balance:
     ) -> FootCommand:
         """Commands a foot in the air to follow ``reference``."""
         return FootCommand(
-            self._following(observation, foot, reference, self._swing_weight)
+            self._following(observation, foot, reference, self._swing_weight),
+            acceleration=np.concatenate([reference.alpha_WF, reference.a_WF]),
         )
 
     def toeing_off(

@@ -41,16 +41,16 @@ class PdGains(Configuration):
 class QpWeights(Configuration):
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
-    com: NotNegative[PerAccelerationSquared] = 30.0
+    com: NotNegative[PerAccelerationSquared] = 480.0
     """Center of mass, horizontal, through the contact forces."""
-    com_height: NotNegative[PerAccelerationSquared] = 60.0
+    com_height: NotNegative[PerAccelerationSquared] = 100.0
     """Height of the center of mass. Below the weight of the moment: where a knee is at
     its limit, the robot gives up height before balance."""
-    com_height_quick: NotNegative[PerAccelerationSquared] = 8.0
+    com_height_quick: NotNegative[PerAccelerationSquared] = 14.0
     """The same in quick level steps of WALK (``walk.rules.quick_step``). A long stride
     lowers the center of mass over the straight trailing leg; to raise it at once at
     lift-off throws the robot up, and it flies above 0.8 m/s."""
-    moment: NotNegative[PerAccelerationSquared] = 70.0
+    moment: NotNegative[PerAccelerationSquared] = 1120.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""
     pelvis_orientation: NotNegative[PerAngularAccelerationSquared] = 2.0
@@ -59,11 +59,11 @@ class QpWeights(Configuration):
     """Orientation of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
     """Stance feet keep still."""
-    swing_foot_position: NotNegative[PerAccelerationSquared] = 8.0
+    swing_foot_position: NotNegative[PerAccelerationSquared] = 16.0
     """Position of the swing foot. Far below the weight of the CoM's height: a high
     swing begins with an almost straight knee, and a heavier foot lifts off with the
     pelvis, which throws the robot up and ahead."""
-    swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 10.0
+    swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 15.0
     """Orientation of the swing foot."""
     contact_force: Positive[PerNewtonSquared] = 1e-6
     """Contact forces: spreads the load over the feet."""
@@ -143,12 +143,18 @@ class JointLimitGains(Configuration):
 
 @dataclass(frozen=True)
 class MomentumGains(Configuration):
-    """Use of angular momentum where the CoP does not suffice."""
+    """Angular momentum: for balance where the CoP does not suffice, and given back."""
 
     dead_zone: NotNegative[Meters] = 0.03
     """Distance of the desired CoP outside the support polygon that needs none."""
     largest_shift: NotNegative[Meters] = 0.06
-    """Largest distance of the centroidal moment pivot from the CoP."""
+    """Largest distance of the centroidal moment pivot from the CoP for balance."""
+    upright: PdGains = PdGains(kp=20.0, kd=9.0)
+    """Angular acceleration with which a tilted trunk comes upright: what a swing or a
+    push has put into it."""
+    largest_restoring: NotNegative[Meters] = 0.015
+    """Largest distance of the centroidal moment pivot from the CoP for that: as much as
+    the soles can spare."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +173,7 @@ class ControlGains(Configuration):
     """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
     error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
-    """Angular momentum, while the balance is being saved."""
+    """Angular momentum."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
     stance_foot_damping: NotNegative[PerSecond] = 10.0

@@ -39,7 +39,7 @@ from atlas_drake.logs.footprints import (
 from atlas_drake.logs.header import LogError
 from atlas_drake.logs.log import Log
 from atlas_drake.messages import K_EFFORT_MAX
-from atlas_drake.palette import COM, COP, DCM, FEET, hex_color
+from atlas_drake.palette import CMP, COM, COP, DCM, FEET, Color, hex_color
 from atlas_drake.systems.tick_recorder import NO_QP
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -105,6 +105,8 @@ CURVES = {
 """Title, label of the y axis, columns by label, and colors of plain curves."""
 TRACKS = (("com", "CoM", COM), ("dcm", "DCM", DCM), ("cop", "CoP", COP))
 """Columns in ``balance``, labels and colors; the planned ones end in ``_reference``."""
+PIVOT = ("cmp", "CMP", CMP)
+"""The same of the centroidal moment pivot: over time only, where it hides no CoP."""
 
 
 @rc_context(STYLE)
@@ -282,25 +284,27 @@ def _draw_from_above(axes: Any, log: Log, soles: Soles) -> None:
             draw_outline(axes, corners, color, label, opacity=0.18)
     for corners in commanded_footprints(log):
         draw_outline(axes, corners, "#555555")
-    for name, track, style in _tracks(log):
+    for name, track, style in _tracks(log, TRACKS):
         draw_curve(axes, *track.T[:2], width=0.6 if name == "cop" else 1.3, **style)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.04)
 
 
 def _draw_balance(axes: Any, log: Log, soles: Soles, axis: int) -> None:
-    """Draws CoM, DCM, CoP and support along x (axis 0) or y (1)."""
+    """Draws CoM, DCM, CoP, CMP and support along x (axis 0) or y (1)."""
     where = ("ahead", "sideways")[axis]
     axes.set(title=f"Balance {where} (dashed: planned)", ylabel=f"{'xy'[axis]} [m]")
     band = {"color": SUPPORT, "alpha": 0.55, "lw": 0.0, "label": "support"}
     axes.fill_between(log.time, *soles.extent(axis), **band)
-    for _, track, style in _tracks(log):
+    for _, track, style in _tracks(log, (*TRACKS, PIVOT)):
         draw_curve(axes, log.time, track[:, axis], **style)
 
 
-def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
+def _tracks(
+    log: Log, shown: Sequence[tuple[str, str, Color]]
+) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
     """Yields names, tracks and styles of curves; planned ones as far as there are."""
-    for name, label, color in TRACKS:
+    for name, label, color in shown:
         planned = log[f"balance.{name}_reference"]
         if np.isfinite(planned).any():
             yield name, planned, {"color": hex_color(color), "dashed": True}

@@ -60,6 +60,9 @@ class Plan(Frozen):
         com_reference: Reference of the center of mass, horizontal in W [m], shape (2,).
         dcm_reference: Reference of the DCM in W [m], shape (2,).
         cop_reference: Reference of the CoP in W [m], shape (2,).
+        cmp_reference: Centroidal moment pivot (CMP) that balance commands in W [m],
+            shape (2,): the point from which the ground pushes the CoM.
+        cmp: CMP that the forces of the controller give in W [m], shape (2,).
         footsteps: Footsteps to come, the next one first.
     """
 
@@ -68,6 +71,8 @@ class Plan(Frozen):
     com_reference: np.ndarray | None = None
     dcm_reference: np.ndarray | None = None
     cop_reference: np.ndarray | None = None
+    cmp_reference: np.ndarray | None = None
+    cmp: np.ndarray | None = None
     footsteps: tuple[Footstep, ...] = ()
 
     def __post_init__(self) -> None:
@@ -75,8 +80,9 @@ class Plan(Frozen):
         _take_points(self, "support", (-1, 2))
         if self.support is not None and len(self.support) > MAX_CORNERS:
             raise ValueError(f"support must have at most {MAX_CORNERS} corners")
-        for name in ("com", "dcm", "cop"):
+        for name in ("com", "dcm", "cop", "cmp"):
             _take_points(self, f"{name}_reference", (2,))
+        _take_points(self, "cmp", (2,))
         if self.omega is not None and not (as_float(self.omega) or 0.0) > 0.0:
             raise ValueError(f"omega must be above 0 or None, is {shown(self.omega)}")
         _check_all(self.footsteps, "footsteps", Footstep)

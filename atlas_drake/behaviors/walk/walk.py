@@ -31,6 +31,7 @@ from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import Pendulum
 from atlas_drake.control.balance.foothold import ground_below
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorWalkFeedback
@@ -58,7 +59,8 @@ class Walk(BehaviorProtocol):
         self._gait = tools.gait
         self._half_length = balance.robot.file.sole.length / 2
         self._omega = feedback.pendulum_frequency(tools.nominal_height)
-        self.planner = WalkPlanner(balance, self._omega, config)
+        pendulum = Pendulum(self._omega, balance.swing_inertia)
+        self.planner = WalkPlanner(balance, pendulum, config)
         double_support = DoubleSupport(balance, self.planner, config)
         self._settling = Settling(balance, self.planner, config)
         self._controls: dict[type[WalkState], PhaseControl[Any]] = {

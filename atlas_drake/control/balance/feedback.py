@@ -32,21 +32,21 @@ def dcm(terms: WholeBodyTerms, omega: float) -> np.ndarray:
     return terms.com[:2] + terms.com_velocity[:2] / omega
 
 
-def com_acceleration_for_cop(
-    com: np.ndarray, cop: np.ndarray, omega: float
+def com_acceleration_for_cmp(
+    com: np.ndarray, cmp: np.ndarray, omega: float
 ) -> np.ndarray:
-    """Horizontal acceleration of the pendulum on ``cop``: ω²(c - p) [m/s²]."""
-    return omega * omega * (com[:2] - cop)
+    """Horizontal acceleration of the pendulum on ``cmp``: ω²(c - p) [m/s²]."""
+    return omega * omega * (com[:2] - cmp)
 
 
-def feedback_cop(
-    dcm_error: np.ndarray, cop_reference: np.ndarray, gain: float
+def feedback_cmp(
+    dcm_error: np.ndarray, cmp_reference: np.ndarray, gain: float
 ) -> np.ndarray:
-    """CoP that drives the DCM's error to zero: p = p_ref + (1 + k)·(ξ - ξ_ref).
+    """CMP that drives the DCM's error to zero: p = p_ref + (1 + k)·(ξ - ξ_ref).
 
     The error then shrinks at the rate k·ω.
     """
-    return cop_reference + (1.0 + gain) * dcm_error
+    return cmp_reference + (1.0 + gain) * dcm_error
 
 
 def height_acceleration(

@@ -5,7 +5,11 @@ Flash, Hogan, "The coordination of arm movements", Journal of Neuroscience 1985.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+
+Q = TypeVar("Q", float, np.ndarray)
 
 
 def quintic_progress(s: float) -> tuple[float, float, float]:
@@ -42,16 +46,23 @@ def quintic_step(
     return np.array(p_next), np.array(v_next), np.array(a_next)
 
 
+def quintic_coefficients(p: Q, v: Q, a: Q, goal: Q, T: float) -> tuple[Q, Q, Q]:
+    """Coefficients of t³, t⁴, t⁵ on the quintic from (p, v, a) to rest at ``goal``."""
+    d = goal - p - v * T - 0.5 * a * T * T
+    e = -(v + a * T) * T
+    f = -0.5 * a * T * T
+    return (
+        (10.0 * d - 4.0 * e + f) / T**3,
+        (-15.0 * d + 7.0 * e - 2.0 * f) / T**4,
+        (6.0 * d - 3.0 * e + f) / T**5,
+    )
+
+
 def quintic_step_of_one(
     p: float, v: float, a: float, goal: float, T: float, dt: float
 ) -> tuple[float, float, float]:
     """Advances one coordinate as ``quintic_step``."""
-    d = goal - p - v * T - 0.5 * a * T * T
-    e = -(v + a * T) * T
-    f = -0.5 * a * T * T
-    c3 = (10.0 * d - 4.0 * e + f) / T**3
-    c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
-    c5 = (6.0 * d - 3.0 * e + f) / T**5
+    c3, c4, c5 = quintic_coefficients(p, v, a, goal, T)
     t = dt
     return (
         p + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5)))),

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.curves import (
+    quintic_coefficients,
     quintic_progress,
     quintic_step,
     quintic_step_of_one,
@@ -34,6 +36,9 @@ from atlas_drake.units import (
 _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
 the way of a hastened one [-]."""
+
+_SHORTEST_PUSH = 1e-3
+"""Shorter parts of a swing are left out of its pushes [s]."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +191,35 @@ def _horizontal_window(
     if climb > 0.0:
         return max(lift, still), swing.duration
     return lift, swing.duration - still
+
+
+class Push(NamedTuple):
+    """Horizontal acceleration of a foot for a while.
+
+    Attributes:
+        duration: [s], positive.
+        coefficients: Of 1, t, t², t³, with the time t since its start, in W [m/s²,
+            m/s³, ...], shape (4, 2); None for no acceleration.
+    """
+
+    duration: float
+    coefficients: np.ndarray | None = None
+
+
+def pushes_ahead(
+    swing: FootSwing, target: Footstep, profile: SwingProfile
+) -> tuple[Push, ...]:
+    """Returns the horizontal acceleration of the rest of the swing to ``target``."""
+    begin, end = _horizontal_window(swing, target, profile)
+    begin, end = max(begin, swing.elapsed), max(end, swing.elapsed)
+    before, moving, after = begin - swing.elapsed, end - begin, swing.duration - end
+    push = None
+    if moving > _SHORTEST_PUSH:
+        p, v, a = swing.xy, swing.xy_velocity, swing.xy_acceleration
+        c3, c4, c5 = quintic_coefficients(p, v, a, target.p_WF[:2], moving)
+        push = np.array([a, 6.0 * c3, 12.0 * c4, 20.0 * c5])
+    pushes = Push(before), Push(moving, push), Push(after)
+    return tuple(push for push in pushes if push.duration > _SHORTEST_PUSH)
 
 
 def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:

@@ -1,0 +1,125 @@
+"""Angular momentum of legs and trunk, as the distance of the CMP from the CoP.
+
+The centroidal moment pivot (CMP) is where the CoP would be without a rate L̇ of the
+angular momentum about the center of mass (Popovic, Goswami, Herr, "Ground reference
+points in legged locomotion", IJRR 2005). With the weight m·g on the feet
+
+    CMP - CoP = [L̇_y, -L̇_x] / (m·g)
+
+What the legs need is known before the QP is solved: L = A q̇ with the centroidal
+momentum matrix A (Orin, Goswami, Lee, "Centroidal dynamics of a humanoid robot",
+Autonomous Robots 2013), and the joints of a leg follow its sole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
+
+_BASE = 6
+"""Velocities of the pelvis, which precede those of the joints."""
+_DAMPING = 0.02**2 * np.eye(6)
+"""Of a leg's inverse: a straight knee moves no sole along the leg."""
+
+
+def legs_offset(
+    terms: WholeBodyTerms,
+    legs: Sequence[np.ndarray | None],
+    soles: Sequence[np.ndarray],
+    com_acceleration: np.ndarray,
+) -> np.ndarray:
+    """Computes the part of both legs in CMP - CoP, horizontal in W [m], shape (2,).
+
+    Args:
+        terms: Model terms.
+        legs: Joints of the left and the right leg in message order, each of shape (6,);
+            None for a leg whose motion is not known.
+        soles: Spatial accelerations of both soles [rad/s²; m/s²], each of shape (6,).
+        com_acceleration: Of the center of mass, horizontal [m/s²], shape (2,).
+    """
+    total = np.zeros(2)
+    for foot, (joints, sole) in enumerate(zip(legs, soles, strict=True)):
+        if joints is not None:
+            relative = sole - terms.feet[foot].bias
+            relative[3:5] -= com_acceleration
+            columns = _BASE + joints
+            total += _offset(terms, columns, _inverse(terms, columns, foot, relative))
+    return total
+
+
+def swing_inertia(model: WholeBodyModel) -> tuple[float, float]:
+    """Computes CMP - CoP for a foot that is accelerated by 1 m/s² [s²].
+
+    Ahead, and to the left, of the robot in its stand-prep pose; the mean of both legs.
+    Both are negative: the CMP stays behind.
+    """
+    terms, legs = _standing(model), _columns(model)
+
+    def mean(axis: int) -> float:
+        sole = np.eye(6)[3 + axis]
+        return float(
+            np.mean(
+                [
+                    _offset(terms, leg, _inverse(terms, leg, foot, sole))[axis]
+                    for foot, leg in enumerate(legs)
+                ]
+            )
+        )
+
+    return mean(0), mean(1)
+
+
+def trunk_inertia(model: WholeBodyModel) -> tuple[float, float]:
+    """Computes the inertia of trunk and arms about x and y, per weight [m·s²/rad].
+
+    About the center of mass, on legs whose soles stay where they are, in the stand-prep
+    pose.
+    """
+    terms, legs = _standing(model), _columns(model)
+
+    def about(axis: int) -> float:
+        turn = np.eye(_BASE)[axis]
+        total = _offset(terms, np.arange(_BASE), turn)
+        for foot, leg in enumerate(legs):
+            sole = -terms.feet[foot].J_WF[:, :_BASE] @ turn
+            total = total + _offset(terms, leg, _inverse(terms, leg, foot, sole))
+        return abs(float(total[1 - axis]))
+
+    return about(0), about(1)
+
+
+def _offset(
+    terms: WholeBodyTerms, columns: np.ndarray, acceleration: np.ndarray
+) -> np.ndarray:
+    """Computes the part of some accelerations in CMP - CoP [m], shape (2,)."""
+    M = terms.M
+    about_x, about_y = (M[:2, columns] @ acceleration).tolist()
+    f_x, f_y, f_z = (M[3:6, columns] @ acceleration).tolist()
+    x, y, z = (terms.com - terms.p_WP).tolist()
+    L_x, L_y = about_x + z * f_y - y * f_z, about_y + x * f_z - z * f_x
+    return np.array([L_y, -L_x]) / (terms.mass * GRAVITY)
+
+
+def _inverse(
+    terms: WholeBodyTerms, columns: np.ndarray, foot: int, sole: np.ndarray
+) -> np.ndarray:
+    """Computes the accelerations of a leg's joints that move its sole, shape (6,)."""
+    J = terms.feet[foot].J_WF[:, columns]
+    joints: np.ndarray = J.T @ np.linalg.solve(J @ J.T + _DAMPING, sole)
+    return joints
+
+
+def _columns(model: WholeBodyModel) -> list[np.ndarray]:
+    return [_BASE + leg.joints for leg in model.robot.legs]
+
+
+def _standing(model: WholeBodyModel) -> WholeBodyTerms:
+    """Evaluates the model at rest in the stand-prep pose."""
+    plant, context = model.plant, model.create_context()
+    state = plant.GetPositionsAndVelocities(context)
+    state[model.robot.indices(plant).q] = model.robot.stand_prep
+    return model.evaluate(context, state)
