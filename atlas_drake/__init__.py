@@ -34,7 +34,11 @@ if TYPE_CHECKING:
         steps_turning,
     )
     from atlas_drake.planning.step_stream import StepStream
-    from atlas_drake.planning.walk_at import stop_walking, walk_at
+    from atlas_drake.planning.walk_at import (
+        nearest_velocity,
+        stop_walking,
+        walk_at,
+    )
     from atlas_drake.records import TickRecord
     from atlas_drake.scenario import (
         Jitter,
@@ -74,6 +78,7 @@ _LAZY = {
     "steps_along_arc": "atlas_drake.planning.footstep_planner",
     "steps_to": "atlas_drake.planning.footstep_planner",
     "steps_turning": "atlas_drake.planning.footstep_planner",
+    "nearest_velocity": "atlas_drake.planning.walk_at",
     "stop_walking": "atlas_drake.planning.walk_at",
     "walk_at": "atlas_drake.planning.walk_at",
 }
@@ -104,6 +109,7 @@ __all__ = [  # noqa: PLE0604
     "WaitTimeoutError",
     "film",
     "load_scenario",
+    "nearest_velocity",
     "place_robot",
     "read_log",
     "steps_ahead",

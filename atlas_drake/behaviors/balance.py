@@ -147,8 +147,8 @@ class Balance:
     ) -> WholeBodyCommand:
         """Builds the QP's command that tracks ``reference`` within ``support``.
 
-        The height of the center of mass weighs less in a ``quick`` step; ``omega`` is
-        the natural frequency of the pendulum [1/s].
+        A ``quick`` step raises the center of mass softly; ``omega`` is the natural
+        frequency of the pendulum [1/s].
         """
         terms, gains = observation.terms, self.gains
         desired = self._desired_cmp(observation, reference, omega)
@@ -166,6 +166,7 @@ class Balance:
             body.height_rate,
             gains.com_height_quick if quick else gains.com_height,
         )
+        softly = quick and com_acceleration[2] > 0.0
         turning = np.array([0.0, 0.0, body.yaw_rate])
         if observation.user_held[self._back].any():
             # The user controls the back and so the chest: the pelvis must not be tilted
@@ -191,10 +192,7 @@ class Balance:
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(
-                com_acceleration,
-                self._com_weight_quick
-                if quick and com_acceleration[2] > 0.0
-                else self._com_weight,
+                com_acceleration, self._com_weight_quick if softly else self._com_weight
             ),
         )
 

@@ -24,6 +24,7 @@ from atlas_drake.behaviors.body_sway import BodySway
 from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
+from atlas_drake.behaviors.leg_ranges import within_ranges
 from atlas_drake.behaviors.manipulate.manipulate import ManipulateConfig
 from atlas_drake.behaviors.scaling import feet_fitting, scaled
 from atlas_drake.behaviors.stand.stand import StandConfig
@@ -34,7 +35,13 @@ from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import DEFAULT_ROBOT, RobotFile, Size, read_robot_file
+from atlas_drake.robot import (
+    DEFAULT_ROBOT,
+    Robot,
+    RobotFile,
+    Size,
+    read_robot_file,
+)
 
 
 @dataclass(frozen=True)
@@ -66,17 +73,21 @@ class ControllerConfig(Configuration):
     @staticmethod
     def of(
         file: RobotFile,
-        size: Size | None,
+        robot: Robot | None,
         behaviors: Iterable[BehaviorEntry] | None = None,
     ) -> "ControllerConfig":
         """Returns the configuration of a robot: its file's values, or else defaults.
 
-        Atlas' values are scaled to its size; with None it has the defaults as they are.
+        Atlas' values are scaled to the robot, and its steps are within the ranges of
+        its legs; with None it has the defaults as they are.
         """
         config = ControllerConfig()
-        if size is not None:
+        if robot is not None:
             atlas = read_robot_file(DEFAULT_ROBOT).controller
-            config = config.with_values(atlas).scaled(size)
+            config = config.with_values(atlas).scaled(robot.size)
+            walk, drop = config.walk, config.stance.com_drop
+            limits = within_ranges(walk.limits, robot, drop)
+            config = replace(config, walk=replace(walk, limits=limits))
         return config.with_values(file.controller, behaviors)
 
     def scaled(self, size: Size) -> "ControllerConfig":

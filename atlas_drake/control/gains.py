@@ -42,14 +42,15 @@ class QpWeights(Configuration):
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
     com: NotNegative[PerAccelerationSquared] = 480.0
-    """Center of mass, horizontal, through the contact forces."""
+    """Center of mass, horizontal, through the contact forces. Far above the swing foot:
+    where something must yield, it is not balance."""
     com_height: NotNegative[PerAccelerationSquared] = 100.0
     """Height of the center of mass. Below the weight of the moment: where a knee is at
     its limit, the robot gives up height before balance."""
     com_height_quick: NotNegative[PerAccelerationSquared] = 14.0
-    """The same in quick level steps of WALK (``walk.rules.quick_step``). A long stride
-    lowers the center of mass over the straight trailing leg; to raise it at once at
-    lift-off throws the robot up, and it flies above 0.8 m/s."""
+    """The same of raising it in quick level steps of WALK (``walk.rules.quick_step``).
+    A long stride lowers the center of mass over the straight trailing leg; to raise it
+    at once at lift-off throws the robot up, and it flies above 0.8 m/s."""
     moment: NotNegative[PerAccelerationSquared] = 1120.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""

@@ -125,6 +125,7 @@ def results(trial: Trial) -> list[tuple[str, str]]:
             ("strides", ", ".join(f"{stride:.2f} m" for stride in trial.strides))
         )
     if trial.walks:
+        found.append(("`walk_at` accepts", trial.speeds))
         found.append(("a push after the walk", yes(trial.pushed)))
     if trial.pushes:
         borne = ", ".join(

@@ -14,6 +14,7 @@ from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.importing.files import write_controller
 from atlas_drake.importing.gentler import find_gentler, what_bounds
 from atlas_drake.importing.motions import LONGEST, PIECE, SETTLES, advance, stands, walk
+from atlas_drake.planning.walk_at import fastest_velocities
 from atlas_drake.robot import TRUNK
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
@@ -49,6 +50,7 @@ class Trial:
         stride: Usual stride [m].
         duration: Usual duration of a step [s].
         strides: Strides that it walks [m].
+        speeds: Largest velocities that ``walk_at`` accepts, in words.
         pushes: Largest change of speed that it bears, by direction [m/s].
         events: Texts of warnings and falls.
         moments: Times in the log of standing and of a swing [s].
@@ -66,6 +68,7 @@ class Trial:
     stride: float = math.nan
     duration: float = math.nan
     strides: list[float] = field(default_factory=list)
+    speeds: str = ""
     pushes: dict[str, float] = field(default_factory=dict)
     events: list[str] = field(default_factory=list)
     moments: list[float] = field(default_factory=list)
@@ -122,6 +125,7 @@ def _first_trial(
     with AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
+        trial.speeds = fastest_velocities(gait)
         say("standing")
         advance(sim, standing)
         trial.stands = stands(sim)

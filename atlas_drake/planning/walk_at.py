@@ -7,6 +7,7 @@ from the report alone: from where the feet land to where the next steps lead.
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -33,6 +34,10 @@ from atlas_drake.rotations import wrap_angle
 
 SAME, SAME_YAW = 1e-3, 1e-3
 """Steps that differ by at most this are not sent again [m], [rad]."""
+_SAME_SPEED = 1e-3
+"""Velocities that differ by less are the same [m/s], [rad/s]."""
+_ANY = 100.0
+"""Beyond what any robot walks [m/s], [rad/s]."""
 SIDE_BY_SIDE, SIDE_BY_SIDE_YAW = 0.01, 0.02
 """Tolerance with which a step puts the feet side by side [m], [rad]."""
 
@@ -57,7 +62,8 @@ def walk_at(
         turn: Rate of the turn to the left [rad/s].
         gait: Gait of the robot, ``controller_config().gait()`` of the scenario; None
             for Atlas' own. Steps take its duration, or less if the speed asks for it; a
-            velocity beyond the robot's limits becomes the nearest within them.
+            velocity beyond the robot's limits becomes the nearest within them, with a
+            Python warning at the first call: ``nearest_velocity`` says which.
 
     Returns:
         The command; None if the robot already does what is asked for. All zero is a
@@ -71,6 +77,9 @@ def walk_at(
     if report.current_behavior not in (Behavior.STAND, Behavior.WALK):
         return _stand(report)
     pace = pace_at(forward, left, turn, gait or Gait())
+    if pace.velocity.differs_from(forward, left, turn):
+        fastest = fastest_velocities(gait or Gait())
+        warnings.warn(f"walk_at walks at {fastest} at most", stacklevel=2)
     beginning = _beginning(report, RIGHT if (left or turn) < 0.0 else LEFT, pace.gait)
     if beginning is None:
         return None
@@ -108,6 +117,53 @@ def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand
     return command
 
 
+class Velocity(NamedTuple):
+    """Velocity of a walk.
+
+    Attributes:
+        forward: Speed ahead [m/s]; negative is backward.
+        left: Speed to the left [m/s].
+        turn: Rate of the turn to the left [rad/s].
+    """
+
+    forward: float
+    left: float
+    turn: float
+
+    def differs_from(self, forward: float, left: float, turn: float) -> bool:
+        """Returns True if another velocity is not the same within rounding."""
+        others = forward, left, turn
+        return any(abs(a - b) > _SAME_SPEED for a, b in zip(self, others, strict=True))
+
+
+def nearest_velocity(
+    forward: float = 0.0,
+    left: float = 0.0,
+    turn: float = 0.0,
+    gait: Gait | None = None,
+) -> Velocity:
+    """Returns the velocity at which ``walk_at`` walks: the nearest within the limits.
+
+    Args:
+        forward: Speed ahead [m/s]; negative is backward.
+        left: Speed to the left [m/s].
+        turn: Rate of the turn to the left [rad/s].
+        gait: Gait of the robot; None for Atlas' own.
+    """
+    return pace_at(forward, left, turn, gait or Gait()).velocity
+
+
+def fastest_velocities(gait: Gait) -> str:
+    """Returns the largest velocities of a robot in words, each by itself."""
+    ahead, back = (nearest_velocity(way * _ANY, gait=gait).forward for way in (1, -1))
+    aside = nearest_velocity(left=_ANY, gait=gait).left
+    turn = nearest_velocity(turn=_ANY, gait=gait).turn
+    return (
+        f"{ahead:.2f} m/s ahead, {-back:.2f} m/s back, {aside:.2f} m/s aside and "
+        f"{turn:.2f} rad/s"
+    )
+
+
 class Pace(NamedTuple):
     """Steps of a velocity."""
 
@@ -115,6 +171,14 @@ class Pace(NamedTuple):
     stride: float  # Distance ahead of each step [m]
     shift: float  # Side step to the left of each pair of steps [m]
     turn: float  # Turn to the left of each step [rad]
+
+    @property
+    def velocity(self) -> Velocity:
+        """Velocity of these steps."""
+        per_step = 1.0 / self.gait.duration
+        return Velocity(
+            self.stride * per_step, 0.5 * self.shift * per_step, self.turn * per_step
+        )
 
 
 def pace_at(forward: float, left: float, turn: float, gait: Gait) -> Pace:

@@ -23,7 +23,7 @@ from atlas_drake.robot.load import (
     load_robot,
     model_beside,
     read_robot_file,
-    size_to_scale_by,
+    robot_to_scale_by,
 )
 from atlas_drake.robot.parsing import LOCAL_MODELS
 from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot, Size
@@ -51,5 +51,5 @@ __all__ = [
     "load_robot",
     "model_beside",
     "read_robot_file",
-    "size_to_scale_by",
+    "robot_to_scale_by",
 ]

@@ -30,7 +30,7 @@ from atlas_drake.robot import fit
 from atlas_drake.robot.file import TRUNK, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import find_urdf
-from atlas_drake.robot.robot import Robot, Size, add_urdf, shape_contacts
+from atlas_drake.robot.robot import Robot, add_urdf, shape_contacts
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
@@ -192,21 +192,21 @@ def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
         return _parsed(read_file(path))
 
 
-def size_to_scale_by(model: str | Path) -> Size | None:
-    """Returns the size of a robot; None if the controller's defaults do not scale."""
+def robot_to_scale_by(model: str | Path) -> Robot | None:
+    """Returns the robot; None if the controller's defaults do not scale to it."""
     file = read_robot_file(model)
     if not file.scaled:
         return None
     path = find_robot(model)
     with _naming(path):
         changed = find_urdf(path.parent, file.urdf).stat().st_mtime_ns
-    return _size(path, path.read_text(), changed)
+    return _scaled_robot(path, path.read_text(), changed)
 
 
 @functools.lru_cache(maxsize=8)
-def _size(path: Path, text: str, changed: int) -> Size:
-    """Measures a robot; cached until its files change."""
-    return load_robot(path).size
+def _scaled_robot(path: Path, text: str, changed: int) -> Robot:
+    """Loads a robot; cached until its files change."""
+    return load_robot(path)
 
 
 @functools.lru_cache(maxsize=8)

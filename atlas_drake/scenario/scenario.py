@@ -39,7 +39,7 @@ from atlas_drake.robot import (
     find_robot,
     model_beside,
     read_robot_file,
-    size_to_scale_by,
+    robot_to_scale_by,
 )
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
@@ -325,13 +325,13 @@ class Scenario(CheckedOnce):
             return self.controller
         try:
             file = read_robot_file(self.model)
-            size = size_to_scale_by(self.model)
+            robot = robot_to_scale_by(self.model)
         except RobotDescriptionError as error:
             at_file = error.field == "model"
             problem = error.problem if at_file else str(error)
             raise ScenarioError("model", self.model, problem) from None
         try:
-            robots = ControllerConfig.of(file, size, behaviors)
+            robots = ControllerConfig.of(file, robot, behaviors)
         except ScenarioError as error:
             # Without values in the file, a default of a user's behavior is at fault.
             named = error.within(find_robot(self.model)) if file.controller else error

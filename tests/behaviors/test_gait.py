@@ -145,9 +145,7 @@ def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
             np.testing.assert_allclose(now.cmp, expected.cmp, atol=1e-6)
 
 
-def test_the_leg_in_the_air_pushes_the_cmp_away_from_its_acceleration(
-    feet, steps, cop
-):
+def test_the_leg_in_the_air_pushes_the_cmp_away_from_its_acceleration(feet, steps, cop):
     duration = TIMING.swing(steps[0].duration)
     motion = begin_swing(feet[steps[0].foot], duration)
     plan = plan_walk(cop, duration, feet, steps, motion, CONFIG, PENDULUM)

@@ -97,10 +97,10 @@ def landing_sensitivity(
     """Computes ∂ξ(touchdown)/∂(landing place) of the swing, ahead [-].
 
     Sideways it differs by the legs' momentum, less than a thousandth. The following
-    steps are held fixed, so that the plan is linear in the landing place, and any offset
-    gives the same result. After the last step the plan moves the CoP
-    slowly to the middle of the feet; to save the balance it may be below the landed
-    foot at once, so that the DCM may be there as well.
+    steps are held fixed, so that the plan is linear in the landing place, and any
+    offset gives the same result. After the last step the plan moves the CoP slowly to
+    the middle of the feet; to save the balance it may be below the landed foot at once,
+    so that the DCM may be there as well.
     """
     first, *rest = steps
     if not rest:

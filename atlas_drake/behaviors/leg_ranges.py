@@ -1,0 +1,125 @@
+"""Limits of a walk's steps that the ranges of a robot's leg joints allow.
+
+Both soles are flat while the weight goes from one foot to the other, and the pelvis is
+between them: a step that takes an ankle to its end stop then is too large. Ahead the
+trailing heel rises, so that the ankles do not bound a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from atlas_drake.config import LeastGreatest
+from atlas_drake.control.feet.leg_kinematics import leg_solver
+from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.frozen import replace
+from atlas_drake.robot import Robot
+from atlas_drake.rotations import rotation_z
+
+SWAY = 0.2
+"""Distance of the pelvis from the middle of the feet, in distances of the feet, that a
+walk takes it to while both soles are flat [-]."""
+SINKS = (0.0, 0.04, 0.08, 0.12)
+"""Lowerings of the pelvis among which it has one that reaches, in pelvis heights: in a
+long step the robot sinks [-]."""
+MARGIN = 0.02
+"""Distance of each joint from its end stop [rad]."""
+_HALVINGS = 8
+"""Halvings of the range between a small step and one that is too large."""
+
+
+def within_ranges(limits: StepLimits, robot: Robot, com_drop: float) -> StepLimits:
+    """Returns the limits, reduced to what both legs reach with flat soles.
+
+    Args:
+        limits: Of one step.
+        robot: Its joints' ranges bound the steps.
+        com_drop: Lowering of the center of mass below the stand-prep pose [m].
+    """
+    reach = _Reach(robot, com_drop)
+    width = robot.stance_width
+    return replace(
+        limits,
+        width=LeastGreatest(
+            limits.width.least,
+            _largest(width, limits.width.greatest, lambda far: reach(aside=far)),
+        ),
+        backward=_largest(0.0, limits.backward, lambda far: reach(-far, width)),
+        toe_out=_largest(0.0, limits.toe_out, lambda turn: reach(0.0, width, turn)),
+        toe_in=_largest(0.0, limits.toe_in, lambda turn: reach(0.0, width, -turn)),
+    )
+
+
+def _largest(small: float, large: float, reached: Callable[[float], bool]) -> float:
+    """Returns the largest value that is reached, from ``small`` to ``large``."""
+    if reached(large):
+        return large
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (small + large)
+        if reached(middle):
+            small = middle
+        else:
+            large = middle
+    return small
+
+
+class _Reach:
+    """Whether both legs reach their soles in a step, whatever foot takes it."""
+
+    def __init__(self, robot: Robot, com_drop: float):
+        plant = robot.plant
+        context = plant.CreateDefaultContext()
+        positions = plant.GetPositions(context)
+        positions[robot.indices(plant).q] = robot.stand_prep
+        plant.SetPositions(context, positions)
+        pelvis = plant.GetFrameByName(robot.file.pelvis)
+        soles = [
+            plant.GetFrameByName(foot.sole_frame).CalcPose(context, pelvis)
+            for foot in robot.file.feet
+        ]
+        ahead, _, below = np.mean([X_PF.translation() for X_PF in soles], axis=0)
+        # From the pelvis to the middle of both soles in the lowered stand-prep pose.
+        self._p_PM = np.array([ahead, 0.0, below + com_drop])
+        self._legs = [
+            (
+                leg_solver(leg),
+                robot.position_lower[leg.joints] + MARGIN,
+                robot.position_upper[leg.joints] - MARGIN,
+            )
+            for leg in robot.legs
+        ]
+
+    def __call__(
+        self, ahead: float = 0.0, aside: float = 0.0, turn: float = 0.0
+    ) -> bool:
+        """Returns True if both soles are reached with the pelvis on its way.
+
+        Args:
+            ahead: Of the foot that steps, from the other one [m].
+            aside: Distance of the feet across [m].
+            turn: Of the foot that steps, outward [rad].
+        """
+        for foot, side in ((0, 1.0), (1, -1.0)):
+            # Of the foot that steps from the other one; the pelvis turns by half of it.
+            step, turned = np.array([ahead, side * aside, 0.0]), side * turn
+            if not self._reaches(foot, step, turned):
+                return False
+            if not self._reaches(1 - foot, -step, -turned):
+                return False
+        return True
+
+    def _reaches(self, leg: int, step: np.ndarray, turn: float) -> bool:
+        solve, lower, upper = self._legs[leg]
+        R_PF = rotation_z(0.5 * turn)
+
+        def reaches(sway: float, sink: float) -> bool:
+            p_PF = self._p_PM + (0.5 + sway) * step
+            p_PF[2] *= 1.0 - sink
+            pose = solve(p_PF, R_PF, None)
+            return pose is not None and bool(
+                np.all((lower <= pose.angles) & (pose.angles <= upper))
+            )
+
+        return all(any(reaches(sway, sink) for sink in SINKS) for sway in (-SWAY, SWAY))

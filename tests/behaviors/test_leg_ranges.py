@@ -1,0 +1,59 @@
+"""Steps that the ranges of the leg joints allow."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from atlas_drake import Scenario
+from atlas_drake.behaviors.leg_ranges import MARGIN, within_ranges
+from atlas_drake.frozen import read_only
+from atlas_drake.robot import load_robot
+
+HERON = str(Path(__file__).parents[1] / "robots" / "heron" / "heron.yaml")
+DROP = 0.02
+"""Of the center of mass [m]."""
+
+
+@pytest.fixture(scope="module")
+def limits():
+    return Scenario(model="atlas").controller_config().walk.limits
+
+
+def narrowed(robot, joint, share):
+    """The robot with a share of the ranges of both joints of this name."""
+    places = [robot.joint_index(f"{side}_leg_{joint}") for side in "lr"]
+    lower, upper = robot.position_lower.copy(), robot.position_upper.copy()
+    lower[places] *= share
+    upper[places] *= share
+    return replace(
+        robot, position_lower=read_only(lower), position_upper=read_only(upper)
+    )
+
+
+def test_atlas_reaches_what_its_file_allows(robot, limits):
+    found = within_ranges(limits, robot, DROP)
+    assert found.width == limits.width
+    assert found.backward == limits.backward
+    assert found.toe_out == limits.toe_out
+    # Up to the margin.
+    assert found.toe_in == pytest.approx(limits.toe_in, abs=MARGIN)
+
+
+@pytest.mark.parametrize(
+    ("joint", "share", "name"),
+    [("akx", 0.25, "width"), ("hpy", 0.1, "backward"), ("hpz", 0.3, "toe_in")],
+)
+def test_a_joint_with_little_range_bounds_its_steps(robot, limits, joint, share, name):
+    found = within_ranges(limits, narrowed(robot, joint, share), DROP)
+    less, usual = getattr(found, name), getattr(limits, name)
+    if name == "width":
+        assert less.least == usual.least
+        less, usual = less.greatest, usual.greatest
+    assert robot.stance_width * (name == "width") <= less < 0.9 * usual
+
+
+def test_limits_of_a_scaled_robot_are_within_its_ranges():
+    config, robot = Scenario(model=HERON).controller_config(), load_robot(HERON)
+    found = within_ranges(config.walk.limits, robot, config.stance.com_drop)
+    assert found == config.walk.limits
