@@ -33,6 +33,9 @@ from atlas_drake.robot.parsing import parse
 FLEXION, LEAST_FLEXION = 0.7, 0.5
 """Flexion of the knees in the pose; the least with which the controller can stand
 [rad]."""
+KNEE_SHARE = 0.5
+"""Share of its effort limit that a knee may need to stand on one leg [-]: a weak one is
+bent less, down to ``LEAST_FLEXION``, and has the rest to walk with."""
 STANCE_SHARE = 0.256
 """Greatest distance between the feet, in heights of the center of mass: Atlas' [-]."""
 GAP = 0.05
@@ -62,8 +65,14 @@ def find_stand_prep(
     upper = np.array([joint.position_upper_limit() for joint in joints])
     margin = np.minimum(MARGIN, 0.5 * (upper - lower))
     nominal = np.clip(0.0, lower + margin, upper - margin)
+    weight = GRAVITY * plant.CalcTotalMass(plant.CreateDefaultContext())
     for leg in legs:
-        _bend(leg, file, lower, upper, nominal)
+        knee = plant.GetJointActuatorByName(file.joints[leg.knee].name)
+        # About a knee between hip and ankle in line above each other.
+        lever = KNEE_SHARE * knee.effort_limit() / weight
+        carried = 2.0 * math.asin(min(lever / leg.thigh_length, 1.0))
+        flexion = min(FLEXION, max(carried, LEAST_FLEXION))
+        _bend(leg, flexion, file, lower, upper, nominal)
     angles = _solve(plant, file, legs, joints, nominal, lower, upper)
     context = plant.CreateDefaultContext()
     for joint, angle in zip(joints, angles, strict=True):
@@ -86,6 +95,7 @@ def find_stand_prep(
 
 def _bend(
     leg: Leg,
+    flexion: float,
     file: RobotFile,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -95,7 +105,7 @@ def _bend(
     knee, name = leg.knee, file.joints[leg.knee].name
     low, high = float(lower[knee]), float(upper[knee])
     most = max(leg.flexion(low), leg.flexion(high))
-    flexion = min(FLEXION, most - MARGIN)
+    flexion = min(flexion, most - MARGIN)
     if flexion < LEAST_FLEXION:
         raise ImportRefused(
             f"joint {name}: goes from {low:.3g} to {high:.3g} rad, and the stand-prep "

@@ -230,8 +230,8 @@ class WholeBodyController(CollectableSystem):
         rate = (plan.omega or state.omega) ** 2
         return replace(
             plan,
-            cmp_reference=state.com - push / rate,
-            cmp=state.com - force / (self._robot.mass * rate),
+            cmp_reference=read_only(state.com - push / rate),
+            cmp=read_only(state.com - force / (self._robot.mass * rate)),
         )
 
     def _paths(self, context: Context) -> PlannedPaths:

@@ -128,7 +128,7 @@ def test_references_are_dashed_where_there_are_any(names, log):
     """STAND and WALK plan different ones, and a controller may plan none."""
     missing = {
         f"balance__{name}_reference": np.full((len(log), 2), np.nan)
-        for name in {"com", "dcm", "cop"} - {*names}
+        for name in {"com", "dcm", "cop", "cmp"} - {*names}
     }
     axes = axes_of(draw_page(with_columns(log, **missing)))
     for title, column in (("Balance ahead", 0), ("Balance sideways", 1)):

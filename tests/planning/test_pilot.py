@@ -272,7 +272,8 @@ def test_user_takes_all_joints_and_the_next_behavior_gives_back(sim, pilot):
     joints = joints_of(sim)
     assert set(joints.k_effort) == {255}
     assert (joints.kp_velocity >= DAMPING).all()
-    np.testing.assert_allclose(joints.position, before, atol=0.01)
+    # The robot still sets its feet down.
+    np.testing.assert_allclose(joints.position, before, atol=0.02)
     pilot.behave("FREEZE")
     sim.advance(0.04)
     assert joints_of(sim).k_effort.sum() == 100

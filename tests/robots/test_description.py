@@ -200,7 +200,7 @@ def test_what_the_controller_cannot_command_is_refused(copied, words):
 
 
 def test_the_gait_keeps_the_robots_limits(heron):
-    config = ControllerConfig.of(heron.file, heron.size)
+    config = ControllerConfig.of(heron.file, heron)
     usual = config.gait()
     assert (usual.stride, usual.turn, usual.half_width) == (0.14, 0.15, 0.09)
     assert config.gait(stride=0.2).duration == usual.duration
