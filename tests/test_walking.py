@@ -1,6 +1,7 @@
 """Walking beyond the tutorial: directions, speed, estimated state, uneven ground."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from atlas_drake import (
     Quaternion,
     Scenario,
     Vector3,
+    nearest_velocity,
     steps_ahead,
     steps_to,
+    walk_at,
 )
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
@@ -24,6 +27,7 @@ from atlas_drake.scenario.terrain import Block
 
 pytestmark = pytest.mark.slow
 
+HERON = Path(__file__).parent / "robots" / "heron" / "heron.yaml"
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
 HALF_SOLE = 0.13
@@ -96,6 +100,40 @@ def test_a_fast_walk(walk, distance, speed):
     # The fastest part of the walk: strides between the ramps.
     way = np.diff(places) / np.diff(landings)
     assert np.abs(way).max() == pytest.approx(speed, rel=0.1)
+
+
+STEADY = {
+    "ahead": {"forward": 0.4},
+    "back": {"forward": -0.4},
+    "aside": {"left": 0.2},
+    "turning": {"turn": 0.5},
+}
+"""Velocities, as far as the robot walks them [m/s], [rad/s]."""
+
+
+@pytest.mark.parametrize("way", STEADY)
+@pytest.mark.parametrize("model", ["atlas", str(HERON)], ids=["atlas", "heron"])
+def test_the_forces_give_the_cmp_that_balance_commands(model, way):
+    sim = AtlasSimulation(Scenario(model=model))
+    gait = sim.scenario.controller_config().gait()
+    velocity = nearest_velocity(**STEADY[way], gait=gait)
+    apart, dcm_error = [], []
+    sim.advance(0.5)
+    while sim.time < 6.0:
+        command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
+        if command is not None:
+            sim.publish(command)
+        for _ in range(10):
+            sim.advance(sim.scenario.control_period)
+            balance, loads = sim.record.balance, sim.record.feet.loads
+            # One foot down, and the walk is steady.
+            if sim.time > 3.0 and min(loads) <= 0.0:
+                apart.append(math.dist(balance.cmp, balance.cmp_reference))
+                dcm_error.append(math.dist(balance.dcm, balance.dcm_reference))
+    assert not sim.has_fallen
+    assert max(apart) < 0.03
+    assert np.percentile(dcm_error, 95) < 0.015
+    assert max(step["error_m"] for step in sim.footsteps) < 0.01
 
 
 def test_ahead_on_the_estimated_state(walk):

@@ -79,7 +79,8 @@ def walk_at(
     pace = pace_at(forward, left, turn, gait or Gait())
     if pace.velocity.differs_from(forward, left, turn):
         fastest = fastest_velocities(gait or Gait())
-        warnings.warn(f"walk_at walks at {fastest} at most", stacklevel=2)
+        text = f"the nearest velocity is walked (nearest_velocity); at most {fastest}"
+        warnings.warn(text, stacklevel=2)
     beginning = _beginning(report, RIGHT if (left or turn) < 0.0 else LEFT, pace.gait)
     if beginning is None:
         return None

@@ -1,0 +1,192 @@
+"""Steering by hand: a tour of waypoints with driven arms, and random velocities.
+
+The tour is after the benchmark ``rhoyn/teleop-walking-benchmark`` for learned walking
+policies, without its punches: every five seconds another waypoint, arms that a user
+moves all the time. The limits are in ``tour.yaml`` and ``velocities.yaml``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from atlas_drake import (
+    K_EFFORT_MAX,
+    AtlasCommand,
+    AtlasSimulation,
+    Behavior,
+    nearest_velocity,
+    stop_walking,
+    walk_at,
+)
+from atlas_drake.rotations import wrap_angle, yaw_of
+
+POLL = 0.1
+"""Time between two commands [s]."""
+STANDING = 3.0
+"""Time before the first waypoint [s]."""
+WAYPOINTS, TIME_EACH = 18, 5.0
+"""Number of waypoints, and the time for each [s]."""
+RADIUS, AHEAD = 1.0, 0.3
+"""Of the disc of the waypoints, and its middle ahead of the start [m]."""
+GAIN = 1.5
+"""Velocity per error of place and heading [1/s]."""
+NEAR, NEAR_YAW = 0.10, 0.1
+"""Errors from which the robot stands [m], [rad]."""
+TURN = 0.6
+"""Largest rate of the turn [rad/s]."""
+ARM_TIME, ARM_CHANGE, ARM_RANGE = 0.5, 0.12, 0.8
+"""Time between two targets of the arms [s]; largest change and range of each [rad]."""
+OUTWARD = ("shoulder_roll", "arm_shx", "shoulder_r", "arm_left_2", "arm_right_2")
+"""Parts of the names of joints that move an arm away from the trunk, and not back."""
+HOLDS = (0.3, 5.0)
+"""Time for which a random velocity is held [s]."""
+ANY = 100.0
+"""Beyond what a robot walks [m/s], [rad/s]."""
+
+
+class Arms:
+    """Set-points of the arms that wander around the pose at the start."""
+
+    def __init__(self, sim: AtlasSimulation, random: np.random.Generator):
+        robot = sim.robot
+        self._start = np.array(robot.stand_prep)
+        self._arms = np.flatnonzero(robot.limb("l_arm", "r_arm"))
+        self._k_effort = np.zeros(robot.num_joints, dtype=int)
+        self._k_effort[self._arms] = K_EFFORT_MAX
+        self._random = random
+        self._from = self._to = self._start
+        self._number = -1
+        self._outward = {
+            index: 1.0 if robot.limb("l_arm")[index] else -1.0
+            for index in self._arms
+            if any(part in robot.joint_names[index].lower() for part in OUTWARD)
+        }
+
+    def command(self, time: float) -> AtlasCommand:
+        """Makes the command of a time [s]."""
+        number = int(time / ARM_TIME)
+        if number != self._number:
+            self._number, self._from, self._to = number, self._to, self._next()
+        share = time / ARM_TIME - number
+        command = AtlasCommand()
+        command.position = self._from + share * (self._to - self._from)
+        command.k_effort = self._k_effort
+        return command
+
+    def _next(self) -> np.ndarray:
+        target = self._to.copy()
+        change = self._random.uniform(-ARM_CHANGE, ARM_CHANGE, len(self._arms))
+        low, high = (self._start[self._arms] + way * ARM_RANGE for way in (-1.0, 1.0))
+        target[self._arms] = np.clip(target[self._arms] + change, low, high)
+        for index, sign in self._outward.items():
+            away = max(sign * (target[index] - self._start[index]), 0.0)
+            target[index] = self._start[index] + sign * away
+        return target
+
+
+def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Steers over the waypoints.
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``fastest``, the largest speed asked for [m/s]; ``driven``, whether
+            a user moves the arms.
+
+    Returns:
+        Whether it completed the tour, the ``survival`` since the first waypoint [s],
+        errors at the end of each waypoint [m], [rad], and by how much balance moved the
+        steps [m].
+    """
+    random = np.random.default_rng(sim.scenario.seed)
+    gait = sim.scenario.controller_config().gait()
+    fastest, driven = float(parameters["fastest"]), bool(parameters["driven"])
+    arms = Arms(sim, random)
+    angle = random.uniform(0.0, 2.0 * math.pi, WAYPOINTS)
+    far = RADIUS * np.sqrt(random.random(WAYPOINTS))
+    places = np.stack([AHEAD + far * np.cos(angle), far * np.sin(angle)], axis=1)
+    headings = random.uniform(-math.pi, math.pi, WAYPOINTS)
+    off: list[float] = []
+    turned: list[float] = []
+    while sim.time < STANDING + WAYPOINTS * TIME_EACH and not sim.has_fallen:
+        if driven:
+            sim.publish(arms.command(sim.time))
+        since = sim.time - STANDING + 1e-9
+        if since >= 0.0:
+            number = min(int(since / TIME_EACH), WAYPOINTS - 1)
+            x, y, yaw = _error(sim, places[number], headings[number])
+            if since % TIME_EACH >= TIME_EACH - POLL:
+                off.append(math.hypot(x, y))
+                turned.append(abs(yaw))
+            _steer(sim, x, y, yaw, fastest, gait)
+        sim.advance(POLL)
+    moved = [step["error_m"] for step in sim.footsteps]
+    return {
+        "completed": not sim.has_fallen,
+        "survival": max(sim.time - STANDING, 0.0),
+        "off_m": float(np.mean(off)) if off else math.nan,
+        "off_rad": float(np.mean(turned)) if turned else math.nan,
+        "moved_m": float(np.mean(moved)) if moved else math.nan,
+    }
+
+
+def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Walks at random velocities of all that ``walk_at`` accepts.
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``minutes``.
+    """
+    random = np.random.default_rng(sim.scenario.seed)
+    gait = sim.scenario.controller_config().gait()
+    ahead, back = (nearest_velocity(way * ANY, gait=gait).forward for way in (1, -1))
+    aside = nearest_velocity(left=ANY, gait=gait).left
+    turn = nearest_velocity(turn=ANY, gait=gait).turn
+    sim.advance(STANDING)
+    velocity, until = nearest_velocity(gait=gait), 0.0
+    while sim.time < 60.0 * float(parameters["minutes"]) and not sim.has_fallen:
+        if sim.time >= until:
+            drawn = random.uniform([back, -aside, -turn], [ahead, aside, turn])
+            # One of the three alone, or all.
+            alone = random.integers(0, 4)
+            wanted = (
+                drawn if alone == 3 else np.where(np.arange(3) == alone, drawn, 0.0)
+            )
+            velocity = nearest_velocity(*wanted.tolist(), gait=gait)
+            until = sim.time + float(random.uniform(*HOLDS))
+        command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(POLL)
+    return {"stays_up": not sim.has_fallen}
+
+
+def _error(
+    sim: AtlasSimulation, place: np.ndarray, heading: float
+) -> tuple[float, float, float]:
+    """Returns the way to a waypoint, ahead, to the left and turned [m], [rad]."""
+    X_WP = sim.pelvis_pose
+    yaw = yaw_of(X_WP.rotation().matrix())
+    dx, dy = (place - X_WP.translation()[:2]).tolist()
+    c, s = math.cos(yaw), math.sin(yaw)
+    return c * dx + s * dy, c * dy - s * dx, wrap_angle(heading - yaw)
+
+
+def _steer(
+    sim: AtlasSimulation, x: float, y: float, yaw: float, fastest: float, gait: Any
+) -> None:
+    report = sim.atlas_sim_interface_state
+    if math.hypot(x, y) < NEAR and abs(yaw) < NEAR_YAW:
+        walks = report.current_behavior == Behavior.WALK
+        command = stop_walking(report, gait) if walks else None
+    else:
+        forward, left = GAIN * x, GAIN * y
+        share = min(1.0, fastest / max(math.hypot(forward, left), 1e-9))
+        turn = min(max(GAIN * yaw, -TURN), TURN)
+        wanted = nearest_velocity(share * forward, share * left, turn, gait)
+        command = walk_at(report, *wanted, gait=gait)
+    if command is not None:
+        sim.publish(command)
