@@ -1,8 +1,9 @@
-"""Limits of a walk's steps that the ranges of a robot's leg joints allow.
+"""Limits of a walk's steps that a robot's leg joints allow: their ranges, and its knees.
 
 Both soles are flat while the weight goes from one foot to the other, and the pelvis is
 between them: a step that takes an ankle to its end stop then is too large. Ahead the
-trailing heel rises, so that the ankles do not bound a step.
+trailing heel rises, so that the ankles do not bound a step. A knee with less torque for
+the robot's weight and height than Atlas' carries it through shorter strides.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_z
@@ -26,30 +28,41 @@ SINKS = (0.0, 0.04, 0.08, 0.12)
 long step the robot sinks [-]."""
 MARGIN = 0.02
 """Distance of each joint from its end stop [rad]."""
+KNEE = 0.264
+"""Torque of Atlas' knees, over the weight times the height of the center of mass [-]."""
 _HALVINGS = 8
 """Halvings of the range between a small step and one that is too large."""
 
 
 def within_ranges(limits: StepLimits, robot: Robot, com_drop: float) -> StepLimits:
-    """Returns the limits, reduced to what both legs reach with flat soles.
+    """Returns the limits, reduced to what both legs reach with flat soles, and carry.
 
     Args:
         limits: Of one step.
-        robot: Its joints' ranges bound the steps.
+        robot: Its joints bound the steps.
         com_drop: Lowering of the center of mass below the stand-prep pose [m].
     """
     reach = _Reach(robot, com_drop)
-    width = robot.stance_width
+    width, carried = robot.stance_width, min(knee_strength(robot) / KNEE, 1.0)
     return replace(
         limits,
         width=LeastGreatest(
             limits.width.least,
             _largest(width, limits.width.greatest, lambda far: reach(aside=far)),
         ),
-        backward=_largest(0.0, limits.backward, lambda far: reach(-far, width)),
+        forward=carried * limits.forward,
+        backward=carried
+        * _largest(0.0, limits.backward, lambda far: reach(-far, width)),
         toe_out=_largest(0.0, limits.toe_out, lambda turn: reach(0.0, width, turn)),
         toe_in=_largest(0.0, limits.toe_in, lambda turn: reach(0.0, width, -turn)),
     )
+
+
+def knee_strength(robot: Robot) -> float:
+    """Computes the knees' torque over weight times height of the center of mass [-]."""
+    knees = [leg.knee for leg in robot.legs]
+    moment = robot.mass * GRAVITY * robot.com_height
+    return float(robot.effort_limit[knees].min()) / moment
 
 
 def _largest(small: float, large: float, reached: Callable[[float], bool]) -> float:

