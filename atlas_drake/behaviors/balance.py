@@ -54,6 +54,7 @@ from atlas_drake.messages.controller_status import MAX_CORNERS
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import rotation_z
 from atlas_drake.units import Meters, NewtonMeters
 
 _STILL = read_only(np.zeros(6))
@@ -254,11 +255,13 @@ class Balance:
             return np.zeros(2)
         momentum, terms = self.gains.momentum, observation.terms
         still = np.array([0.0, 0.0, body.yaw_rate])
-        x, y, _ = orientation_acceleration(
+        up = orientation_acceleration(
             body.R_WC, still, terms.R_WC, terms.w_WC, momentum.upright
-        ).tolist()
+        )
+        heading = rotation_z(body.yaw)[:2, :2]
+        x, y = (heading.T @ up[:2]).tolist()
         about_x, about_y = self._trunk_inertia
-        offset = np.array([about_y * y, -about_x * x])
+        offset = heading @ np.array([about_y * y, -about_x * x])
         size = math.hypot(*offset)
         return offset * min(momentum.largest_restoring / max(size, 1e-9), 1.0)
 

@@ -1,4 +1,4 @@
-"""Limits of a walk's steps that a robot's leg joints allow: their ranges, and its knees.
+"""Limits of a walk's steps that a robot's leg joints allow: by ranges, and by knees.
 
 Both soles are flat while the weight goes from one foot to the other, and the pelvis is
 between them: a step that takes an ankle to its end stop then is too large. Ahead the
@@ -29,7 +29,7 @@ long step the robot sinks [-]."""
 MARGIN = 0.02
 """Distance of each joint from its end stop [rad]."""
 KNEE = 0.264
-"""Torque of Atlas' knees, over the weight times the height of the center of mass [-]."""
+"""Torque of Atlas' knees, over weight times height of the center of mass [-]."""
 _HALVINGS = 8
 """Halvings of the range between a small step and one that is too large."""
 

@@ -61,7 +61,6 @@ class WalkPlanner:
     def __init__(self, balance: Balance, pendulum: Pendulum, config: WalkConfig):
         self._balance = balance
         self._pendulum = pendulum
-        self._omega = pendulum.omega
         self._config = config
         self._half_length = balance.robot.file.sole.length / 2
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
@@ -144,7 +143,7 @@ class WalkPlanner:
     ) -> bool:
         """Returns True if the DCM lies beyond the outer side of a sole."""
         pose = progress.feet[foot]
-        dcm = feedback.dcm(observation.terms, self._omega)
+        dcm = feedback.dcm(observation.terms, self._pendulum.omega)
         beyond_W = dcm - self._balance.support(pose).clamp(dcm)
         ahead, left = rotation_z(pose.yaw)[:2, :2].T @ beyond_W
         return bool(outward(foot) * left > abs(ahead))
@@ -160,8 +159,8 @@ class WalkPlanner:
             feet,
             (self._balance.support(feet[0]), self._balance.support(feet[1])),
             terms.com[:2],
-            feedback.dcm(terms, self._omega),
-            self._omega,
+            feedback.dcm(terms, self._pendulum.omega),
+            self._pendulum.omega,
             self._config,
             goes_on,
         )
