@@ -119,7 +119,7 @@ def test_the_forces_give_the_cmp_that_balance_commands(model, way):
     velocity = nearest_velocity(**STEADY[way], gait=gait)
     apart, dcm_error = [], []
     sim.advance(0.5)
-    while sim.time < 6.0:
+    while sim.time < 5.0:
         command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
         if command is not None:
             sim.publish(command)
@@ -127,7 +127,7 @@ def test_the_forces_give_the_cmp_that_balance_commands(model, way):
             sim.advance(sim.scenario.control_period)
             balance, loads = sim.record.balance, sim.record.feet.loads
             # One foot down, and the walk is steady.
-            if sim.time > 3.0 and min(loads) <= 0.0:
+            if sim.time > 2.5 and min(loads) <= 0.0:
                 apart.append(math.dist(balance.cmp, balance.cmp_reference))
                 dcm_error.append(math.dist(balance.dcm, balance.dcm_reference))
     assert not sim.has_fallen
