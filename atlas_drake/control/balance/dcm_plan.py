@@ -132,16 +132,19 @@ def _evaluate(
         dcm.append(cop[-1] + ahead + decay * (last - end - ahead))
     if segment.offset is None:
         return DcmReference(np.array(dcm), np.array(cop))
-    offset, bounded = _offset(segment.offset, omega, into)
-    _, bounded_end = _offset(segment.offset, omega, segment.duration)
-    return DcmReference(
-        np.array(dcm) + bounded - decay * bounded_end, np.array(cop), offset
-    )
+    offset = []
+    # As numbers: two components cost a third of the time of small arrays.
+    for axis, coefficients in enumerate(segment.offset.T.tolist()):
+        now, bounded = _offset(coefficients, omega, into)
+        _, bounded_end = _offset(coefficients, omega, segment.duration)
+        offset.append(now)
+        dcm[axis] += bounded - decay * bounded_end
+    return DcmReference(np.array(dcm), np.array(cop), np.array(offset))
 
 
 def _offset(
-    coefficients: np.ndarray, omega: float, time: float
-) -> tuple[np.ndarray, np.ndarray]:
+    coefficients: Sequence[float], omega: float, time: float
+) -> tuple[float, float]:
     """Evaluates a cubic offset o, and o + ȯ/ω + ö/ω² + o⃛/ω³."""
     c0, c1, c2, c3 = coefficients
     offset = c0 + time * (c1 + time * (c2 + time * c3))

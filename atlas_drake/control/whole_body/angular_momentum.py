@@ -13,12 +13,13 @@ Autonomous Robots 2013), and the joints of a leg follow its sole.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.robot import LEGS
 
 _BASE = 6
 """Velocities of the pelvis, which precede those of the joints."""
@@ -41,14 +42,14 @@ def legs_offset(
         soles: Spatial accelerations of both soles [rad/s²; m/s²], each of shape (6,).
         com_acceleration: Of the center of mass, horizontal [m/s²], shape (2,).
     """
-    total = np.zeros(2)
-    for foot, (joints, sole) in enumerate(zip(legs, soles, strict=True)):
-        if joints is not None:
-            relative = sole - terms.feet[foot].bias
-            relative[3:5] -= com_acceleration
-            columns = _BASE + joints
-            total += _offset(terms, columns, _inverse(terms, columns, foot, relative))
-    return total
+    moving = [foot for foot, joints in enumerate(legs) if joints is not None]
+    if not moving:
+        return np.zeros(2)
+    relative = np.array([soles[foot] - terms.feet[foot].bias for foot in moving])
+    relative[:, 3:5] -= com_acceleration
+    columns = [_BASE + joints for joints in legs if joints is not None]
+    joints = _inverse(terms, columns, moving, relative)
+    return _offset(terms, np.concatenate(columns), joints.ravel())
 
 
 def swing_inertia(model: WholeBodyModel) -> tuple[float, float]:
@@ -57,18 +58,13 @@ def swing_inertia(model: WholeBodyModel) -> tuple[float, float]:
     Ahead, and to the left, of the robot in its stand-prep pose; the mean of both legs.
     Both are negative: the CMP stays behind.
     """
-    terms, legs = _standing(model), _columns(model)
+    terms, columns, sides = _standing(model), _columns(model), len(LEGS)
 
     def mean(axis: int) -> float:
-        sole = np.eye(6)[3 + axis]
-        return float(
-            np.mean(
-                [
-                    _offset(terms, leg, _inverse(terms, leg, foot, sole))[axis]
-                    for foot, leg in enumerate(legs)
-                ]
-            )
-        )
+        soles = np.tile(np.eye(6)[3 + axis], (sides, 1))
+        joints = _inverse(terms, columns, range(sides), soles)
+        offset = _offset(terms, np.concatenate(columns), joints.ravel())
+        return float(offset[axis]) / sides
 
     return mean(0), mean(1)
 
@@ -79,15 +75,15 @@ def trunk_inertia(model: WholeBodyModel) -> tuple[float, float]:
     About the center of mass, on legs whose soles stay where they are, in the stand-prep
     pose.
     """
-    terms, legs = _standing(model), _columns(model)
+    terms, columns, sides = _standing(model), _columns(model), len(LEGS)
 
     def about(axis: int) -> float:
         turn = np.eye(_BASE)[axis]
-        total = _offset(terms, np.arange(_BASE), turn)
-        for foot, leg in enumerate(legs):
-            sole = -terms.feet[foot].J_WF[:, :_BASE] @ turn
-            total = total + _offset(terms, leg, _inverse(terms, leg, foot, sole))
-        return abs(float(total[1 - axis]))
+        soles = np.array([-sole.J_WF[:, :_BASE] @ turn for sole in terms.feet])
+        joints = _inverse(terms, columns, range(sides), soles)
+        moving = np.concatenate([np.arange(_BASE), *columns])
+        offset = _offset(terms, moving, np.concatenate([turn, joints.ravel()]))
+        return abs(float(offset[1 - axis]))
 
     return about(0), about(1)
 
@@ -105,12 +101,18 @@ def _offset(
 
 
 def _inverse(
-    terms: WholeBodyTerms, columns: np.ndarray, foot: int, sole: np.ndarray
+    terms: WholeBodyTerms,
+    columns: Sequence[np.ndarray],
+    feet: Iterable[int],
+    soles: np.ndarray,
 ) -> np.ndarray:
-    """Computes the accelerations of a leg's joints that move its sole, shape (6,)."""
-    J = terms.feet[foot].J_WF[:, columns]
-    joints: np.ndarray = J.T @ np.linalg.solve(J @ J.T + _DAMPING, sole)
-    return joints
+    """Computes accelerations of legs' joints that move their soles, shape (k, 6)."""
+    J = np.array(
+        [terms.feet[foot].J_WF[:, own] for foot, own in zip(feet, columns, strict=True)]
+    )
+    J_T = J.transpose(0, 2, 1)
+    joints: np.ndarray = J_T @ np.linalg.solve(J @ J_T + _DAMPING, soles[:, :, None])
+    return joints[:, :, 0]
 
 
 def _columns(model: WholeBodyModel) -> list[np.ndarray]:
