@@ -40,7 +40,7 @@ from atlas_drake.control.whole_body.contact_tasks import (
     InternalContactTask,
     MomentTask,
 )
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.model import GRAVITY, standing_terms
 from atlas_drake.control.whole_body.tasks import (
     FrameTask,
     OrientationTask,
@@ -98,9 +98,10 @@ class Balance:
         self.sway = sway or BodySway()
         self._arm_swing = arm_swing(robot, self.sway.arms)
         self.weight = robot.mass * GRAVITY
-        model = WholeBodyModel(robot)
-        self.swing_inertia = swing_inertia(model)
-        self._trunk_inertia = trunk_inertia(model)
+        self._legs = tuple(leg.joints for leg in robot.legs)
+        standing = standing_terms(robot)
+        self.swing_inertia = swing_inertia(standing, self._legs)
+        self._trunk_inertia = trunk_inertia(standing, self._legs)
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
         self._joint_weight = np.where(
@@ -235,10 +236,9 @@ class Balance:
         The motion of a leg whose joints the user has is not known.
         """
         terms, held = observation.terms, observation.user_held
-        legs = [leg.joints for leg in self.robot.legs]
         return legs_offset(
             terms,
-            [None if held[joints].any() else joints for joints in legs],
+            [None if held[joints].any() else joints for joints in self._legs],
             [foot.acceleration for foot in feet],
             feedback.com_acceleration_for_cmp(terms.com, cmp, omega),
         )

@@ -43,10 +43,7 @@ def arm_swing(robot: Robot, arms: float) -> np.ndarray:
     """
     swing = np.zeros(robot.num_joints)
     plant: Any = robot.plant
-    context, indices = plant.CreateDefaultContext(), robot.indices(plant)
-    q = plant.GetPositions(context)
-    q[indices.q] = robot.stand_prep
-    plant.SetPositions(context, q)
+    context, indices = robot.standing_context(), robot.indices(plant)
     pelvis = plant.GetFrameByName(robot.file.pelvis)
     for hand, limb, way in zip(
         robot.file.hands, ("l_arm", "r_arm"), (-arms, arms), strict=False

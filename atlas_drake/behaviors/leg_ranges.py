@@ -8,6 +8,7 @@ the robot's weight and height than Atlas' carries it through shorter strides.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -34,8 +35,11 @@ _HALVINGS = 8
 """Halvings of the range between a small step and one that is too large."""
 
 
+@functools.lru_cache(maxsize=8)
 def within_ranges(limits: StepLimits, robot: Robot, com_drop: float) -> StepLimits:
     """Returns the limits, reduced to what both legs reach with flat soles, and carry.
+
+    Cached, because each configuration of a robot needs them.
 
     Args:
         limits: Of one step.
@@ -82,11 +86,7 @@ class _Reach:
     """Whether both legs reach their soles in a step, whatever foot takes it."""
 
     def __init__(self, robot: Robot, com_drop: float):
-        plant = robot.plant
-        context = plant.CreateDefaultContext()
-        positions = plant.GetPositions(context)
-        positions[robot.indices(plant).q] = robot.stand_prep
-        plant.SetPositions(context, positions)
+        plant, context = robot.plant, robot.standing_context()
         pelvis = plant.GetFrameByName(robot.file.pelvis)
         soles = [
             plant.GetFrameByName(foot.sole_frame).CalcPose(context, pelvis)

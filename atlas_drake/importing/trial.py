@@ -14,7 +14,7 @@ from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.importing.files import write_controller
 from atlas_drake.importing.gentler import find_gentler, what_bounds
 from atlas_drake.importing.motions import LONGEST, PIECE, SETTLES, advance, stands, walk
-from atlas_drake.planning.walk_at import fastest_velocities
+from atlas_drake.planning.walk_at import fastest
 from atlas_drake.robot import TRUNK
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
@@ -125,7 +125,7 @@ def _first_trial(
     with AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
-        trial.speeds = fastest_velocities(gait)
+        trial.speeds = str(fastest(gait))
         say("standing")
         advance(sim, standing)
         trial.stands = stands(sim)

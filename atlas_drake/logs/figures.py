@@ -39,7 +39,7 @@ from atlas_drake.logs.footprints import (
 from atlas_drake.logs.header import LogError
 from atlas_drake.logs.log import Log
 from atlas_drake.messages import K_EFFORT_MAX
-from atlas_drake.palette import CMP, COM, COP, DCM, FEET, Color, hex_color
+from atlas_drake.palette import CMP, COM, COP, DCM, FEET, hex_color
 from atlas_drake.systems.tick_recorder import NO_QP
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -103,10 +103,13 @@ CURVES = {
     ),
 }
 """Title, label of the y axis, columns by label, and colors of plain curves."""
-TRACKS = (("com", "CoM", COM), ("dcm", "DCM", DCM), ("cop", "CoP", COP))
+TRACKS = (
+    ("com", "CoM", COM),
+    ("dcm", "DCM", DCM),
+    ("cop", "CoP", COP),
+    ("cmp", "CMP", CMP),
+)
 """Columns in ``balance``, labels and colors; the planned ones end in ``_reference``."""
-PIVOT = ("cmp", "CMP", CMP)
-"""The same of the centroidal moment pivot: over time only, where it hides no CoP."""
 
 
 @rc_context(STYLE)
@@ -284,8 +287,9 @@ def _draw_from_above(axes: Any, log: Log, soles: Soles) -> None:
             draw_outline(axes, corners, color, label, opacity=0.18)
     for corners in commanded_footprints(log):
         draw_outline(axes, corners, "#555555")
-    for name, track, style in _tracks(log, TRACKS):
-        draw_curve(axes, *track.T[:2], width=0.6 if name == "cop" else 1.3, **style)
+    for name, track, style in _tracks(log):
+        if name != "cmp":  # It would hide the CoP.
+            draw_curve(axes, *track.T[:2], width=0.6 if name == "cop" else 1.3, **style)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.04)
 
@@ -296,15 +300,13 @@ def _draw_balance(axes: Any, log: Log, soles: Soles, axis: int) -> None:
     axes.set(title=f"Balance {where} (dashed: planned)", ylabel=f"{'xy'[axis]} [m]")
     band = {"color": SUPPORT, "alpha": 0.55, "lw": 0.0, "label": "support"}
     axes.fill_between(log.time, *soles.extent(axis), **band)
-    for _, track, style in _tracks(log, (*TRACKS, PIVOT)):
+    for _, track, style in _tracks(log):
         draw_curve(axes, log.time, track[:, axis], **style)
 
 
-def _tracks(
-    log: Log, shown: Sequence[tuple[str, str, Color]]
-) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
+def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
     """Yields names, tracks and styles of curves; planned ones as far as there are."""
-    for name, label, color in shown:
+    for name, label, color in TRACKS:
         planned = log[f"balance.{name}_reference"]
         if np.isfinite(planned).any():
             yield name, planned, {"color": hex_color(color), "dashed": True}

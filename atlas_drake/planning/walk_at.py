@@ -6,6 +6,7 @@ from the report alone: from where the feet land to where the next steps lead.
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
 from dataclasses import replace
@@ -78,8 +79,8 @@ def walk_at(
         return _stand(report)
     pace = pace_at(forward, left, turn, gait or Gait())
     if pace.velocity.differs_from(forward, left, turn):
-        fastest = fastest_velocities(gait or Gait())
-        text = f"the nearest velocity is walked (nearest_velocity); at most {fastest}"
+        most = fastest(gait or Gait())
+        text = f"the nearest velocity is walked (nearest_velocity); at most {most}"
         warnings.warn(text, stacklevel=2)
     beginning = _beginning(report, RIGHT if (left or turn) < 0.0 else LEFT, pace.gait)
     if beginning is None:
@@ -154,14 +155,41 @@ def nearest_velocity(
     return pace_at(forward, left, turn, gait or Gait()).velocity
 
 
-def fastest_velocities(gait: Gait) -> str:
-    """Returns the largest velocities of a robot in words, each by itself."""
-    ahead, back = (nearest_velocity(way * _ANY, gait=gait).forward for way in (1, -1))
-    aside = nearest_velocity(left=_ANY, gait=gait).left
-    turn = nearest_velocity(turn=_ANY, gait=gait).turn
-    return (
-        f"{ahead:.2f} m/s ahead, {-back:.2f} m/s back, {aside:.2f} m/s aside and "
-        f"{turn:.2f} rad/s"
+class Fastest(NamedTuple):
+    """Largest velocities of a robot, each by itself.
+
+    Attributes:
+        ahead: [m/s].
+        back: [m/s], positive.
+        aside: To either side [m/s].
+        turn: Either way [rad/s].
+    """
+
+    ahead: float
+    back: float
+    aside: float
+    turn: float
+
+    def __str__(self) -> str:
+        """The velocities in words."""
+        return (
+            f"{self.ahead:.2f} m/s ahead, {self.back:.2f} m/s back, "
+            f"{self.aside:.2f} m/s aside and {self.turn:.2f} rad/s"
+        )
+
+
+@functools.lru_cache(maxsize=8)
+def fastest(gait: Gait) -> Fastest:
+    """Returns the largest velocities that ``walk_at`` accepts; cached for its warning.
+
+    Args:
+        gait: Gait of the robot.
+    """
+    return Fastest(
+        nearest_velocity(forward=_ANY, gait=gait).forward,
+        -nearest_velocity(forward=-_ANY, gait=gait).forward,
+        nearest_velocity(left=_ANY, gait=gait).left,
+        nearest_velocity(turn=_ANY, gait=gait).turn,
     )
 
 

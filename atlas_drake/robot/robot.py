@@ -16,6 +16,7 @@ from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FrameIndex, ModelInstanceIndex
+from pydrake.systems.framework import Context
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
@@ -90,7 +91,7 @@ class Size:
     stance_width: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Robot:
     """One robot, read from its YAML description and its URDF.
 
@@ -220,6 +221,14 @@ class Robot:
         self.add_to(plant)
         plant.Finalize()
         return plant
+
+    def standing_context(self) -> Context:
+        """Creates a Context of ``plant`` with the robot in its stand-prep pose."""
+        context = self.plant.CreateDefaultContext()
+        q = self.plant.GetPositions(context)
+        q[self.indices(self.plant).q] = self.stand_prep
+        self.plant.SetPositions(context, q)
+        return context
 
     def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """Parses the robot into ``plant`` (before Finalize)."""

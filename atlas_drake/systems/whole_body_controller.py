@@ -50,10 +50,10 @@ class ControllerState(Frozen):
     com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
     omega: float = 1.0  # Natural frequency of the pendulum [1/s].
     solution: WholeBodySolution | None = None  # None without a QP.
-    com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
     unsolved: int = 0  # Number of ticks whose QP had no solution.
     in_a_row: int = 0  # Number of them since the last solution.
     warned: bool = False  # True once the run has its warning of many of them.
+    com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
 
 
 class WholeBodyController(CollectableSystem):
@@ -173,7 +173,7 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(supervisor, effort, com, omega, None, None, *counts)
+            return ControllerState(supervisor, effort, com, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(share, user, limit)
@@ -203,10 +203,10 @@ class WholeBodyController(CollectableSystem):
             com,
             omega,
             solution,
-            None if push is None else push[:2],
             unsolved,
             in_a_row,
             warned,
+            None if push is None else push[:2],
         )
 
     def _status(self, context: Context) -> ControllerStatus:

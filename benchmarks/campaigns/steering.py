@@ -22,6 +22,7 @@ from atlas_drake import (
     stop_walking,
     walk_at,
 )
+from atlas_drake.planning.walk_at import fastest
 from atlas_drake.rotations import wrap_angle, yaw_of
 
 POLL = 0.1
@@ -44,8 +45,6 @@ OUTWARD = ("shoulder_roll", "arm_shx", "shoulder_r", "arm_left_2", "arm_right_2"
 """Parts of the names of joints that move an arm away from the trunk, and not back."""
 HOLDS = (0.3, 5.0)
 """Time for which a random velocity is held [s]."""
-ANY = 100.0
-"""Beyond what a robot walks [m/s], [rad/s]."""
 
 
 class Arms:
@@ -103,7 +102,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """
     random = np.random.default_rng(sim.scenario.seed)
     gait = sim.scenario.controller_config().gait()
-    fastest, driven = float(parameters["fastest"]), bool(parameters["driven"])
+    speed, driven = float(parameters["fastest"]), bool(parameters["driven"])
     arms = Arms(sim, random)
     angle = random.uniform(0.0, 2.0 * math.pi, WAYPOINTS)
     far = RADIUS * np.sqrt(random.random(WAYPOINTS))
@@ -121,7 +120,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
             if since % TIME_EACH >= TIME_EACH - POLL:
                 off.append(math.hypot(x, y))
                 turned.append(abs(yaw))
-            _steer(sim, x, y, yaw, fastest, gait)
+            _steer(sim, x, y, yaw, speed, gait)
         sim.advance(POLL)
     moved = [step["error_m"] for step in sim.footsteps]
     return {
@@ -142,14 +141,13 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
     """
     random = np.random.default_rng(sim.scenario.seed)
     gait = sim.scenario.controller_config().gait()
-    ahead, back = (nearest_velocity(way * ANY, gait=gait).forward for way in (1, -1))
-    aside = nearest_velocity(left=ANY, gait=gait).left
-    turn = nearest_velocity(turn=ANY, gait=gait).turn
+    most = fastest(gait)
+    low, high = (-most.back, -most.aside, -most.turn), (most.ahead, *most[2:])
     sim.advance(STANDING)
     velocity, until = nearest_velocity(gait=gait), 0.0
     while sim.time < 60.0 * float(parameters["minutes"]) and not sim.has_fallen:
         if sim.time >= until:
-            drawn = random.uniform([back, -aside, -turn], [ahead, aside, turn])
+            drawn = random.uniform(low, high)
             # One of the three alone, or all.
             alone = random.integers(0, 4)
             wanted = (
@@ -176,7 +174,7 @@ def _error(
 
 
 def _steer(
-    sim: AtlasSimulation, x: float, y: float, yaw: float, fastest: float, gait: Any
+    sim: AtlasSimulation, x: float, y: float, yaw: float, speed: float, gait: Any
 ) -> None:
     report = sim.atlas_sim_interface_state
     if math.hypot(x, y) < NEAR and abs(yaw) < NEAR_YAW:
@@ -184,7 +182,7 @@ def _steer(
         command = stop_walking(report, gait) if walks else None
     else:
         forward, left = GAIN * x, GAIN * y
-        share = min(1.0, fastest / max(math.hypot(forward, left), 1e-9))
+        share = min(1.0, speed / max(math.hypot(forward, left), 1e-9))
         turn = min(max(GAIN * yaw, -TURN), TURN)
         wanted = nearest_velocity(share * forward, share * left, turn, gait)
         command = walk_at(report, *wanted, gait=gait)

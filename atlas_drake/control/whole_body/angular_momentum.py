@@ -17,9 +17,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.robot import LEGS
 
 _BASE = 6
 """Velocities of the pelvis, which precede those of the joints."""
@@ -52,35 +51,39 @@ def legs_offset(
     return _offset(terms, np.concatenate(columns), joints.ravel())
 
 
-def swing_inertia(model: WholeBodyModel) -> tuple[float, float]:
+def swing_inertia(
+    terms: WholeBodyTerms, legs: Sequence[np.ndarray]
+) -> tuple[float, float]:
     """Computes CMP - CoP for a foot that is accelerated by 1 m/s² [s²].
 
-    Ahead, and to the left, of the robot in its stand-prep pose; the mean of both legs.
-    Both are negative: the CMP stays behind.
+    Ahead, and to the left, of a robot at rest whose pelvis has the axes of W; the mean
+    of both legs. Both are negative: the CMP stays behind.
     """
-    terms, columns, sides = _standing(model), _columns(model), len(LEGS)
+    columns = [_BASE + joints for joints in legs]
 
     def mean(axis: int) -> float:
-        soles = np.tile(np.eye(6)[3 + axis], (sides, 1))
-        joints = _inverse(terms, columns, range(sides), soles)
+        soles = np.tile(np.eye(6)[3 + axis], (len(legs), 1))
+        joints = _inverse(terms, columns, range(len(legs)), soles)
         offset = _offset(terms, np.concatenate(columns), joints.ravel())
-        return float(offset[axis]) / sides
+        return float(offset[axis]) / len(legs)
 
     return mean(0), mean(1)
 
 
-def trunk_inertia(model: WholeBodyModel) -> tuple[float, float]:
+def trunk_inertia(
+    terms: WholeBodyTerms, legs: Sequence[np.ndarray]
+) -> tuple[float, float]:
     """Computes the inertia of trunk and arms about x and y, per weight [m·s²/rad].
 
-    About the center of mass, on legs whose soles stay where they are, in the stand-prep
-    pose.
+    About the center of mass of a robot at rest, on legs whose soles stay where they
+    are.
     """
-    terms, columns, sides = _standing(model), _columns(model), len(LEGS)
+    columns = [_BASE + joints for joints in legs]
 
     def about(axis: int) -> float:
         turn = np.eye(_BASE)[axis]
         soles = np.array([-sole.J_WF[:, :_BASE] @ turn for sole in terms.feet])
-        joints = _inverse(terms, columns, range(sides), soles)
+        joints = _inverse(terms, columns, range(len(legs)), soles)
         moving = np.concatenate([np.arange(_BASE), *columns])
         offset = _offset(terms, moving, np.concatenate([turn, joints.ravel()]))
         return abs(float(offset[1 - axis]))
@@ -113,15 +116,3 @@ def _inverse(
     J_T = J.transpose(0, 2, 1)
     joints: np.ndarray = J_T @ np.linalg.solve(J @ J_T + _DAMPING, soles[:, :, None])
     return joints[:, :, 0]
-
-
-def _columns(model: WholeBodyModel) -> list[np.ndarray]:
-    return [_BASE + leg.joints for leg in model.robot.legs]
-
-
-def _standing(model: WholeBodyModel) -> WholeBodyTerms:
-    """Evaluates the model at rest in the stand-prep pose."""
-    plant, context = model.plant, model.create_context()
-    state = plant.GetPositionsAndVelocities(context)
-    state[model.robot.indices(plant).q] = model.robot.stand_prep
-    return model.evaluate(context, state)

@@ -181,6 +181,13 @@ class WholeBodyModel:
         return FrameTerms(p_WF, R_WF, V_WF, J_WF, bias)
 
 
+def standing_terms(robot: Robot) -> WholeBodyTerms:
+    """Evaluates the model of a robot at rest in its stand-prep pose."""
+    model, standing = WholeBodyModel(robot), robot.standing_context()
+    state = robot.plant.GetPositionsAndVelocities(standing)
+    return model.evaluate(model.create_context(), state)
+
+
 def mean_sole_height(terms: WholeBodyTerms) -> float:
     """Height of the middle between both soles in W [m]."""
     return 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
