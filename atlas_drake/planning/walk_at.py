@@ -80,7 +80,7 @@ def walk_at(
     pace = pace_at(forward, left, turn, gait or Gait())
     if pace.velocity.differs_from(forward, left, turn):
         most = fastest(gait or Gait())
-        text = f"the nearest velocity is walked (nearest_velocity); at most {most}"
+        text = f"walk_at walks at nearest_velocity(...) instead; at most {most}"
         warnings.warn(text, stacklevel=2)
     beginning = _beginning(report, RIGHT if (left or turn) < 0.0 else LEFT, pace.gait)
     if beginning is None:

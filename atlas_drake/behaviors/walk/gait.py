@@ -57,9 +57,9 @@ def plan_walk(
     """Makes the DCM plan of the present phase, and through ``steps`` to rest.
 
     The plan is computed backward from rest, which determines the DCM at its beginning.
-    The present phase, with the CoP at ``cop``, takes ``first_phase`` [s]; with a foot
-    ``in_air`` it is the swing of the first step, of which the foot has the rest before
-    it. The legs' momentum moves the CMP in each swing.
+    The present phase, with the CoP at ``cop``, takes ``first_phase`` [s] from its
+    beginning. With a foot ``in_air`` it is the swing of the first step, and the rest of
+    it is the foot's. The swinging leg moves the CMP away from the CoP.
     """
     timing = config.timing
     segments: list[CopSegment] = []
