@@ -21,6 +21,7 @@ from atlas_drake import (
     steps_to,
     walk_at,
 )
+from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
 from atlas_drake.scenario.terrain import Block
@@ -117,7 +118,7 @@ def test_the_forces_give_the_cmp_that_balance_commands(model, way):
     sim = AtlasSimulation(Scenario(model=model))
     gait = sim.scenario.controller_config().gait()
     velocity = nearest_velocity(**STEADY[way], gait=gait)
-    apart, dcm_error = [], []
+    apart, dcm_error, at_edge = [], [], []
     sim.advance(0.5)
     while sim.time < 5.0:
         command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
@@ -130,9 +131,13 @@ def test_the_forces_give_the_cmp_that_balance_commands(model, way):
             if sim.time > 2.5 and min(loads) <= 0.0:
                 apart.append(math.dist(balance.cmp, balance.cmp_reference))
                 dcm_error.append(math.dist(balance.dcm, balance.dcm_reference))
+                corners = balance.support[~np.isnan(balance.support[:, 0])]
+                outside = SupportPolygon(corners).distance_outside(balance.cop)
+                at_edge.append(outside > -0.002)
     assert not sim.has_fallen
     assert max(apart) < 0.03
     assert np.percentile(dcm_error, 95) < 0.015
+    assert np.mean(at_edge) <= 0.01
     assert max(step["error_m"] for step in sim.footsteps) < 0.01
 
 

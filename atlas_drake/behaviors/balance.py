@@ -155,6 +155,8 @@ class Balance:
         terms, gains = observation.terms, self.gains
         desired = self._desired_cmp(observation, reference, omega)
         offset = self._leg_offset(observation, feet, desired, omega)
+        unplanned = offset - reference.offset
+        desired = desired + gains.momentum.unplanned_share * unplanned
         offset += self._restoring_offset(observation, body)
         cop, cmp = self.pivots(desired, offset, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.

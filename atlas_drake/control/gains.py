@@ -12,7 +12,7 @@ from typing import Annotated
 
 from annotated_types import Unit
 
-from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, NotNegative, Positive, Share
 from atlas_drake.units import (
     Meters,
     PerAngularAccelerationSquared,
@@ -150,6 +150,11 @@ class MomentumGains(Configuration):
     """Distance of the desired CoP outside the support polygon that needs none."""
     largest_shift: NotNegative[Meters] = 0.06
     """Largest distance of the centroidal moment pivot from the CoP for balance."""
+    unplanned_share: Share = 0.5
+    """Share of the legs' offset of the pivot that the plan does not know by which the
+    pivot moves; by the rest the CoP moves the other way. The foot's rise and fall, most
+    of it, last for a tenth of a second: the CoP comes less often to the sole's edge,
+    and the error of the DCM hardly grows."""
     upright: PdGains = PdGains(kp=20.0, kd=9.0)
     """Angular acceleration with which a tilted trunk comes upright: what a swing or a
     push has put into it."""

@@ -106,9 +106,10 @@ class WalkConfig(Configuration):
     """Shape of the swing."""
     roll: FootRoll = field(default_factory=FootRoll)
     """Pitch of the soles at lift-off and touchdown."""
-    cop_inward: NotNegative[Meters] = 0.010
+    cop_inward: NotNegative[Meters] = 0.015
     """Distance of the CoP reference in single support from the middle of the stance
-    sole, toward the other foot."""
+    sole, toward the other foot: the legs, which sway with the robot, move the CoP
+    outward by about as much."""
     cop_up: NotNegative[Ratio] = 0.45
     """Distance of that reference ahead of the middle of the stance sole, per height of
     a step up: the higher knee carries less."""
