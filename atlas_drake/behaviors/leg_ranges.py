@@ -47,12 +47,17 @@ def within_ranges(limits: StepLimits, robot: Robot, com_drop: float) -> StepLimi
         com_drop: Lowering of the center of mass below the stand-prep pose [m].
     """
     reach = _Reach(robot, com_drop)
+    # A robot sinks in a long step as in a wide one: the knees carry more.
     width, carried = robot.stance_width, min(knee_strength(robot) / KNEE, 1.0)
     return replace(
         limits,
         width=LeastGreatest(
             limits.width.least,
-            _largest(width, limits.width.greatest, lambda far: reach(aside=far)),
+            max(
+                width,
+                carried
+                * _largest(width, limits.width.greatest, lambda far: reach(aside=far)),
+            ),
         ),
         forward=carried * limits.forward,
         backward=carried
