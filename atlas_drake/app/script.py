@@ -20,7 +20,7 @@ from atlas_drake.app.run import (
     run_scenario,
     scenario_of,
 )
-from atlas_drake.ros_scripts.program import Program, unfinished
+from atlas_drake.clients.ros_scripts.program import Program, unfinished
 from atlas_drake.simulation import AtlasSimulation
 
 

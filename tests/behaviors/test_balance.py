@@ -131,8 +131,8 @@ def test_the_center_of_mass_is_pushed_back_to_its_reference(
     away = middle.copy()
     away[axis] += error
     *_, moment, com, _ = commanded(balance, observe(above=away), dcm=middle).tasks
-    # ξ̇ = ω(ξ - p): the error of the DCM shrinks at the rate k·ω, but for the legs, which
-    # turn with the body: the CoP goes a little farther, and the CMP not as far.
+    # ξ̇ = ω(ξ - p): the error of the DCM shrinks at the rate k·ω, but for the legs,
+    # which turn with the body: the CoP goes a little farther, and the CMP not as far.
     full = balance.gains.dcm_gain * error
     assert 1.0 < (moment.p_WE[axis] - away[axis]) / full < 1.1
     assert 0.9 < com.target[axis] / (-(OMEGA**2) * full) < 1.0

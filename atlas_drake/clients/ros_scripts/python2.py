@@ -15,8 +15,8 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from atlas_drake.ros_scripts.python2_values import DIVIDE, DIVIDE_IN_PLACE
-from atlas_drake.ros_scripts.unknown import ScriptError
+from atlas_drake.clients.ros_scripts.python2_values import DIVIDE, DIVIDE_IN_PLACE
+from atlas_drake.clients.ros_scripts.unknown import ScriptError
 
 _PYTHON3 = re.compile(r"#!.*\bpython3")
 _NOT_FIXED = {

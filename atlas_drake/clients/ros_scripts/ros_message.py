@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
+from atlas_drake.clients.ros_scripts.unknown import UnknownNameError, unknown
 
 Factory = Callable[[], Any]
 """Makes the initial value of a field."""

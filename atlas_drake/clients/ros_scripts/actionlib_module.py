@@ -7,12 +7,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from atlas_drake.ros_scripts.action_server import ActionServer, Goal
-from atlas_drake.ros_scripts.clock import Clock
-from atlas_drake.ros_scripts.message_types import atlas_msgs, from_ours
-from atlas_drake.ros_scripts.ros_message import Duration
-from atlas_drake.ros_scripts.ros_types import GOAL_STATUS, GoalStatus
-from atlas_drake.ros_scripts.unknown import ScriptError, unknown
+from atlas_drake.clients.ros_scripts.action_server import ActionServer, Goal
+from atlas_drake.clients.ros_scripts.clock import Clock
+from atlas_drake.clients.ros_scripts.message_types import atlas_msgs, from_ours
+from atlas_drake.clients.ros_scripts.ros_message import Duration
+from atlas_drake.clients.ros_scripts.ros_types import GOAL_STATUS, GoalStatus
+from atlas_drake.clients.ros_scripts.unknown import ScriptError, unknown
 
 SERVER, ACTION = "atlas/bdi_control", "atlas_msgs/WalkDemoAction"
 """Name of the only action server, and its action."""

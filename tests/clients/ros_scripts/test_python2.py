@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from atlas_drake.ros_scripts.program import Program
-from atlas_drake.ros_scripts.unknown import ScriptError
+from atlas_drake.clients.ros_scripts.program import Program
+from atlas_drake.clients.ros_scripts.unknown import ScriptError
 
 needs_fissix = pytest.mark.skipif(
     importlib.util.find_spec("fissix") is None,

@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.ros_scripts.ros_types import geometry_msgs
+from atlas_drake.clients.ros_scripts.ros_types import geometry_msgs
 
 
 class Vector(np.ndarray[Any, Any]):

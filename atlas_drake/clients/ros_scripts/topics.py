@@ -14,31 +14,31 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from atlas_drake.clients.ros_scripts.joint_topics import (
+    command_joints,
+    follow_trajectory,
+    move_joint,
+)
+from atlas_drake.clients.ros_scripts.message_types import (
+    atlas_msgs,
+    from_ours,
+    osrf_msgs,
+    to_ours,
+)
+from atlas_drake.clients.ros_scripts.ros_message import RosMessage, Time
+from atlas_drake.clients.ros_scripts.ros_types import (
+    rosgraph_msgs,
+    sensor_msgs,
+    std_msgs,
+    trajectory_msgs,
+)
+from atlas_drake.clients.ros_scripts.unknown import ScriptError, unknown
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     Behavior,
 )
-from atlas_drake.ros_scripts.joint_topics import (
-    command_joints,
-    follow_trajectory,
-    move_joint,
-)
-from atlas_drake.ros_scripts.message_types import (
-    atlas_msgs,
-    from_ours,
-    osrf_msgs,
-    to_ours,
-)
-from atlas_drake.ros_scripts.ros_message import RosMessage, Time
-from atlas_drake.ros_scripts.ros_types import (
-    rosgraph_msgs,
-    sensor_msgs,
-    std_msgs,
-    trajectory_msgs,
-)
-from atlas_drake.ros_scripts.unknown import ScriptError, unknown
 from atlas_drake.scenario import Start
 from atlas_drake.simulation import AtlasSimulation
 

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from typing import Any, TextIO
 
-from atlas_drake.ros_scripts.clock import Clock, RunEnded
+from atlas_drake.clients.ros_scripts.clock import Clock, RunEnded
 
 
 class InputEnded(RunEnded, KeyboardInterrupt):

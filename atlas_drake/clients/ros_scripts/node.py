@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
 
+from atlas_drake.clients.ros_scripts.clock import Clock, RosError, RosInterruptError
+from atlas_drake.clients.ros_scripts.network import Network
+from atlas_drake.clients.ros_scripts.ros_message import Duration, RosMessage
+from atlas_drake.clients.ros_scripts.topics import READ, WRITE, find_topic
 from atlas_drake.errors import InvalidMessageError
-from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
-from atlas_drake.ros_scripts.network import Network
-from atlas_drake.ros_scripts.ros_message import Duration, RosMessage
-from atlas_drake.ros_scripts.topics import READ, WRITE, find_topic
 
 SPIN = 1.0
 """Length of each wait in ``spin`` [s]."""

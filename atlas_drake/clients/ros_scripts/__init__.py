@@ -5,6 +5,6 @@ A program is one more commander on the robot's command ports, and a reader of it
 outputs. The command is in ``app.script``; ``docs/scripts.md`` lists the stand-ins.
 """
 
-from atlas_drake.ros_scripts.unknown import ScriptError
+from atlas_drake.clients.ros_scripts.unknown import ScriptError
 
 __all__ = ["ScriptError"]

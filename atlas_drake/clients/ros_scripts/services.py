@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from atlas_drake.ros_scripts.clock import Clock, RosError
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.ros_types import std_srvs
-from atlas_drake.ros_scripts.unknown import ScriptError, unknown
+from atlas_drake.clients.ros_scripts.clock import Clock, RosError
+from atlas_drake.clients.ros_scripts.ros_message import RosMessage
+from atlas_drake.clients.ros_scripts.ros_types import std_srvs
+from atlas_drake.clients.ros_scripts.unknown import ScriptError, unknown
 
 
 class ServiceError(ScriptError, RosError):

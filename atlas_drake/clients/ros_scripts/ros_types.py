@@ -5,7 +5,7 @@ Those of the robot are in ``message_types``.
 
 from __future__ import annotations
 
-from atlas_drake.ros_scripts.ros_message import (
+from atlas_drake.clients.ros_scripts.ros_message import (
     Duration,
     Factory,
     RosMessage,

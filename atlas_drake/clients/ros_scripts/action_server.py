@@ -12,6 +12,20 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
 
+from atlas_drake.clients.ros_scripts.message_types import (
+    GOAL_BEHAVIORS,
+    atlas_msgs,
+    from_ours,
+    to_ours,
+)
+from atlas_drake.clients.ros_scripts.poses import (
+    Frame,
+    Rotation,
+    Vector,
+    from_msg,
+    to_msg,
+)
+from atlas_drake.clients.ros_scripts.ros_types import GOAL_STATUS
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
     AtlasBehaviorManipulateParams,
@@ -24,14 +38,6 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.planning.step_stream import ANSWER, StepStream
-from atlas_drake.ros_scripts.message_types import (
-    GOAL_BEHAVIORS,
-    atlas_msgs,
-    from_ours,
-    to_ours,
-)
-from atlas_drake.ros_scripts.poses import Frame, Rotation, Vector, from_msg, to_msg
-from atlas_drake.ros_scripts.ros_types import GOAL_STATUS
 from atlas_drake.simulation import AtlasSimulation
 
 WALKING = (Behavior.WALK, Behavior.STEP)

@@ -11,14 +11,14 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from atlas_drake.ros_scripts.action_server import ActionServer
-from atlas_drake.ros_scripts.actionlib_module import actionlib_names
-from atlas_drake.ros_scripts.clock import ENDED, Clock
-from atlas_drake.ros_scripts.joint_topics import Trajectory
-from atlas_drake.ros_scripts.python2 import load_program
-from atlas_drake.ros_scripts.rospy_module import RosNode
-from atlas_drake.ros_scripts.unknown import LIST, ScriptError
-from atlas_drake.ros_scripts.world import World, as_main, stand_ins
+from atlas_drake.clients.ros_scripts.action_server import ActionServer
+from atlas_drake.clients.ros_scripts.actionlib_module import actionlib_names
+from atlas_drake.clients.ros_scripts.clock import ENDED, Clock
+from atlas_drake.clients.ros_scripts.joint_topics import Trajectory
+from atlas_drake.clients.ros_scripts.python2 import load_program
+from atlas_drake.clients.ros_scripts.rospy_module import RosNode
+from atlas_drake.clients.ros_scripts.unknown import LIST, ScriptError
+from atlas_drake.clients.ros_scripts.world import World, as_main, stand_ins
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 

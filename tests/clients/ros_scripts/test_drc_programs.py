@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from atlas_drake import AtlasSimulation
+from atlas_drake.clients.ros_scripts.program import unfinished
 from atlas_drake.messages import Behavior
-from atlas_drake.ros_scripts.program import unfinished
 
 HEAD = """\
 #!/usr/bin/env python

@@ -12,7 +12,7 @@ import time
 from types import ModuleType
 from typing import Any
 
-from atlas_drake.ros_scripts.clock import Clock, RunEnded
+from atlas_drake.clients.ros_scripts.clock import Clock, RunEnded
 
 _KEPT = ("current_thread", "get_ident", "local", "main_thread", "ThreadError")
 

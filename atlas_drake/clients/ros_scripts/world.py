@@ -19,22 +19,26 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any, TextIO, cast
 
-from atlas_drake.robot import Robot
-from atlas_drake.ros_scripts import poses
-from atlas_drake.ros_scripts.clock import Clock
-from atlas_drake.ros_scripts.keyboard import Keyboard
-from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
-from atlas_drake.ros_scripts.python2 import load_program
-from atlas_drake.ros_scripts.python2_values import (
+from atlas_drake.clients.ros_scripts import poses
+from atlas_drake.clients.ros_scripts.clock import Clock
+from atlas_drake.clients.ros_scripts.keyboard import Keyboard
+from atlas_drake.clients.ros_scripts.message_types import PACKAGES, with_joints_of
+from atlas_drake.clients.ros_scripts.python2 import load_program
+from atlas_drake.clients.ros_scripts.python2_values import (
     BUILTINS,
     DIVIDE,
     divide,
     old_modules,
     with_names,
 )
-from atlas_drake.ros_scripts.ros_types import std_srvs
-from atlas_drake.ros_scripts.threads import simulated_threading, simulated_time
-from atlas_drake.ros_scripts.unknown import ScriptError, UnknownNameError, unknown
+from atlas_drake.clients.ros_scripts.ros_types import std_srvs
+from atlas_drake.clients.ros_scripts.threads import simulated_threading, simulated_time
+from atlas_drake.clients.ros_scripts.unknown import (
+    ScriptError,
+    UnknownNameError,
+    unknown,
+)
+from atlas_drake.robot import Robot
 
 REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}
 """Modules of Python that wait in other ways than ``time`` and ``threading``."""

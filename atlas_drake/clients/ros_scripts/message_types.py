@@ -18,16 +18,14 @@ from typing import Any, TypeVar
 import numpy as np
 
 from atlas_drake import messages as ours
-from atlas_drake.messages import Behavior, Message
-from atlas_drake.robot import Robot
-from atlas_drake.ros_scripts.ros_message import (
+from atlas_drake.clients.ros_scripts.ros_message import (
     Factory,
     RosMessage,
     Time,
     array_of,
     message_type,
 )
-from atlas_drake.ros_scripts.ros_types import (
+from atlas_drake.clients.ros_scripts.ros_types import (
     GENERAL,
     Header,
     Types,
@@ -36,6 +34,8 @@ from atlas_drake.ros_scripts.ros_types import (
     package,
     sensor_msgs,
 )
+from atlas_drake.messages import Behavior, Message
+from atlas_drake.robot import Robot
 
 M = TypeVar("M", bound=Message)
 

@@ -6,10 +6,10 @@ import copy
 from collections import defaultdict, deque
 from collections.abc import Callable
 
-from atlas_drake.ros_scripts.clock import Clock
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.topics import READ, WRITE
-from atlas_drake.ros_scripts.unknown import hint_for
+from atlas_drake.clients.ros_scripts.clock import Clock
+from atlas_drake.clients.ros_scripts.ros_message import RosMessage
+from atlas_drake.clients.ros_scripts.topics import READ, WRITE
+from atlas_drake.clients.ros_scripts.unknown import hint_for
 
 
 class Network:

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from atlas_drake import messages as ours
-from atlas_drake.ros_scripts.message_types import (
+from atlas_drake.clients.ros_scripts.message_types import (
     ROS_TYPES,
     atlas_msgs,
     from_ours,
     to_ours,
 )
-from atlas_drake.ros_scripts.ros_message import Duration, Time
-from atlas_drake.ros_scripts.ros_types import geometry_msgs, std_msgs
-from atlas_drake.ros_scripts.unknown import UnknownNameError
+from atlas_drake.clients.ros_scripts.ros_message import Duration, Time
+from atlas_drake.clients.ros_scripts.ros_types import geometry_msgs, std_msgs
+from atlas_drake.clients.ros_scripts.unknown import UnknownNameError
 
 Command, Walk, State = (
     atlas_msgs[f"Atlas{name}"]

@@ -13,11 +13,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from atlas_drake.robot import Robot
-from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
-from atlas_drake.ros_scripts.joint_topics import joint_name
-from atlas_drake.ros_scripts.network import Network
-from atlas_drake.ros_scripts.node import (
+from atlas_drake.clients.ros_scripts.clock import Clock, RosError, RosInterruptError
+from atlas_drake.clients.ros_scripts.joint_topics import joint_name
+from atlas_drake.clients.ros_scripts.network import Network
+from atlas_drake.clients.ros_scripts.node import (
     Publisher,
     Rate,
     Subscriber,
@@ -25,10 +24,15 @@ from atlas_drake.ros_scripts.node import (
     spin,
     wait_for_message,
 )
-from atlas_drake.ros_scripts.ros_message import Duration
-from atlas_drake.ros_scripts.ros_message import Time as RosTime
-from atlas_drake.ros_scripts.services import ServiceError, ServiceProxy, find_service
-from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
+from atlas_drake.clients.ros_scripts.ros_message import Duration
+from atlas_drake.clients.ros_scripts.ros_message import Time as RosTime
+from atlas_drake.clients.ros_scripts.services import (
+    ServiceError,
+    ServiceProxy,
+    find_service,
+)
+from atlas_drake.clients.ros_scripts.unknown import UnknownNameError, unknown
+from atlas_drake.robot import Robot
 
 GAINS = "atlas_controller/gains"
 """Path of the joint controllers' default gains: .../JOINT/p, i, d, i_clamp."""

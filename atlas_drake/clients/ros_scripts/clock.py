@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 
-from atlas_drake.ros_scripts.unknown import ScriptError
+from atlas_drake.clients.ros_scripts.unknown import ScriptError
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 MAX_PIECE = 0.1

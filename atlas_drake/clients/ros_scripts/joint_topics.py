@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.clients.ros_scripts.message_types import JOINT_ARRAYS, osrf_msgs
+from atlas_drake.clients.ros_scripts.unknown import ScriptError
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
-from atlas_drake.ros_scripts.message_types import JOINT_ARRAYS, osrf_msgs
-from atlas_drake.ros_scripts.unknown import ScriptError
 from atlas_drake.simulation import AtlasSimulation
 
 JointCommands = osrf_msgs["JointCommands"]

@@ -9,7 +9,7 @@ from collections import namedtuple
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.ros_scripts.program import Program
+from atlas_drake.clients.ros_scripts.program import Program
 
 Ran = namedtuple("Ran", "problem at_fault printed said complained sim")
 STEPS = {"physics_step": 0.002, "control_period": 0.004}

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from atlas_drake.ros_scripts import poses
-from atlas_drake.ros_scripts.poses import Frame, Rotation, Vector
-from atlas_drake.ros_scripts.ros_types import geometry_msgs
+from atlas_drake.clients.ros_scripts import poses
+from atlas_drake.clients.ros_scripts.poses import Frame, Rotation, Vector
+from atlas_drake.clients.ros_scripts.ros_types import geometry_msgs
 
 RPY = (0.3, -0.4, 1.1)
 X = RigidTransform(RollPitchYaw(*RPY), [1.0, 2.0, 3.0])
