@@ -123,6 +123,18 @@ def wrap_angle(angle: float) -> float:
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
+def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
+    """Converts a unit quaternion [w, x, y, z] to a rotation matrix, shape (3, 3)."""
+    w, x, y, z = q_WB.tolist()
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
 def mean_yaw(yaw_a: float, yaw_b: float) -> float:
     """The heading halfway between two headings [rad]."""
     return wrap_angle(yaw_a + 0.5 * wrap_angle(yaw_b - yaw_a))

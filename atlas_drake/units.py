@@ -1,4 +1,4 @@
-"""Units of the numbers in configurations, as types.
+"""Units of the numbers in configurations, as types; and standard gravity.
 
 A field's annotation says its unit, ``stride: Positive[Meters]`` for example: scaling,
 errors, forms and documentation read the unit there. Bounds are in ``config``. A unit
@@ -11,6 +11,10 @@ import typing
 from typing import Annotated, Any
 
 from annotated_types import Unit
+
+GRAVITY = 9.81
+"""Magnitude of the gravitational acceleration [m/s²]. No setting: Drake's plants have
+the same."""
 
 Ratio = Annotated[float, Unit("-")]
 """A number without unit, such as a factor or a share."""

@@ -15,7 +15,7 @@ from pydrake.multibody.plant import (
 from pydrake.systems.framework import Context, EventStatus
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.units import GRAVITY
 
 LEAST_FORCE = 5.0
 """Contacts with a smaller normal force are left out of ratios [N]."""

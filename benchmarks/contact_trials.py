@@ -16,9 +16,9 @@ from contact_probe import ContactProbe
 from disturbed import CAMPAIGNS, Physics, disturbed_simulation
 
 from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
-from atlas_drake.campaigns import load_campaign
-from atlas_drake.campaigns.plan import Trial as CampaignTrial
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns import load_campaign
+from atlas_drake.clients.campaigns.plan import Trial as CampaignTrial
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.simulation.tutorial import DURATION
 
 BEYOND = 1.001

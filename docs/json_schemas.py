@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.clients.campaigns.campaign import Campaign
 from atlas_drake.config import Configuration
 from atlas_drake.robot import RobotFile
 from atlas_drake.scenario import Scenario

@@ -45,10 +45,10 @@ from atlas_drake.control.feet.swing_foot import (
 )
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.damping import damping_effort
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, rotation_z
+from atlas_drake.units import GRAVITY
 
 STEP_TIME = 0.63  # from one touchdown to the next [s]
 STRIDE, HALF_WIDTH = 0.25, 0.15  # of the steps, ahead and to the side [m]

@@ -18,9 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.campaigns import load_campaign
-from atlas_drake.campaigns.plan import make_trial
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns import load_campaign
+from atlas_drake.clients.campaigns.plan import make_trial
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.campaigns import load_campaign
-from atlas_drake.campaigns.campaign import Campaign, Threshold
+from atlas_drake.clients.campaigns import load_campaign
+from atlas_drake.clients.campaigns.campaign import Campaign, Threshold
 from atlas_drake.config import (
     MAX_VALUES,
     Configuration,

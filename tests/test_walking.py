@@ -22,7 +22,7 @@ from atlas_drake import (
     walk_at,
 )
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
 from atlas_drake.scenario.terrain import Block
 

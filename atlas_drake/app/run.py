@@ -80,7 +80,7 @@ def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
     try:
         return load_scenario(path)
     except ScenarioError as error:
-        from atlas_drake.campaigns.reading import is_campaign
+        from atlas_drake.clients.campaigns.reading import is_campaign
 
         if error.field == "file" or not is_campaign(path):
             raise

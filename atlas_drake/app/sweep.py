@@ -1,6 +1,6 @@
 """Campaigns on the command line: run one, watch one trial of it, show its results.
 
-Campaigns themselves are in ``atlas_drake.campaigns``, options in ``sweep_options``.
+Campaigns themselves are in ``clients.campaigns``, options in ``sweep_options``.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from atlas_drake.app.outputs import (
     open_view,
 )
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
-from atlas_drake.campaigns import Campaign, load_campaign, run_campaign
-from atlas_drake.campaigns.comparison import compare
-from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
-from atlas_drake.campaigns.report import write_results
-from atlas_drake.campaigns.results import (
+from atlas_drake.clients.campaigns import Campaign, load_campaign, run_campaign
+from atlas_drake.clients.campaigns.comparison import compare
+from atlas_drake.clients.campaigns.plan import make_trial, number_of_trials, scenario_of
+from atlas_drake.clients.campaigns.report import write_results
+from atlas_drake.clients.campaigns.results import (
     TRIALS,
     read_campaign,
     read_records,
     same_result,
 )
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FILM_SIZE

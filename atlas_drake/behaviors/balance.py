@@ -40,7 +40,7 @@ from atlas_drake.control.whole_body.contact_tasks import (
     InternalContactTask,
     MomentTask,
 )
-from atlas_drake.control.whole_body.model import GRAVITY, standing_terms
+from atlas_drake.control.whole_body.model import standing_terms
 from atlas_drake.control.whole_body.tasks import (
     FrameTask,
     OrientationTask,
@@ -55,7 +55,7 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_z
-from atlas_drake.units import Meters, NewtonMeters
+from atlas_drake.units import GRAVITY, Meters, NewtonMeters
 
 _STILL = read_only(np.zeros(6))
 

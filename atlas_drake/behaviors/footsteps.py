@@ -15,12 +15,11 @@ from typing import Any
 import numpy as np
 from pydrake.math import RotationMatrix
 
-from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import heading_error, landing_error
 from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vector3
 from atlas_drake.messages.event import CONTACT, FOOTSTEP, Event
 from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import yaw_of
+from atlas_drake.rotations import rotation_matrix, yaw_of
 
 _FEET = ("left", "right")
 """Word for each foot index."""

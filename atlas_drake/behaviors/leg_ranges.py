@@ -16,10 +16,10 @@ import numpy as np
 from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_z
+from atlas_drake.units import GRAVITY
 
 SWAY = 0.2
 """Distance of the pelvis from the middle of the feet, in distances of the feet, that a

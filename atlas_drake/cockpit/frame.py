@@ -10,7 +10,6 @@ import numpy as np
 import orjson
 
 from atlas_drake.cockpit.wire import ShownEvent
-from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorWalkFeedback,
@@ -22,7 +21,7 @@ from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.planning.footholds import foothold
 from atlas_drake.records import TickRecord
 from atlas_drake.records.plain import to_plain
-from atlas_drake.rotations import yaw_of
+from atlas_drake.rotations import rotation_matrix, yaw_of
 
 GAINS = ("kp_position", "ki_position", "kd_position", "kp_velocity")
 """The gains that the page shows."""

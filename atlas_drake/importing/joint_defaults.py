@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.importing.findings import GUESSED, Findings
 from atlas_drake.robot import LEGS, Leg, RobotFile
+from atlas_drake.units import GRAVITY
 
 LEG_GAINS = {
     "hip": 1.5,

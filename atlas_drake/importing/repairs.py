@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import yourdfpy.urdf as urdf
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.importing.findings import (
     GUESSED,
     LOST,
@@ -22,6 +21,7 @@ from atlas_drake.importing.findings import (
     listed,
 )
 from atlas_drake.importing.tree import MOTIONS, MOVING, Tree
+from atlas_drake.units import GRAVITY
 
 LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3
 """Limits that no motor has [N·m], [rad/s]: files say so for "not known"."""

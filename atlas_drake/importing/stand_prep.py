@@ -17,7 +17,6 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.solvers import Solve
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.importing.findings import (
     FOUND,
@@ -29,6 +28,7 @@ from atlas_drake.importing.joint_defaults import default_gains, rotor_inertias
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
+from atlas_drake.units import GRAVITY
 
 FLEXION, LEAST_FLEXION = 0.7, 0.5
 """Flexion of the knees in the pose; the least with which the controller can stand

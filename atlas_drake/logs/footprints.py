@@ -12,9 +12,9 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.logs.log import Log
 from atlas_drake.rotations import rotation_z
+from atlas_drake.units import GRAVITY
 
 SIDES = ("left", "right")
 CONTACT_SHARE = 0.04

@@ -11,13 +11,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from atlas_drake.config import Configuration, Positive
-from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
-from atlas_drake.rotations import wrap_angle, yaw_of
+from atlas_drake.rotations import rotation_matrix, wrap_angle, yaw_of
 from atlas_drake.units import Meters, Radians, Seconds
 
 SIDEWAYS_SHARE = 0.5

@@ -18,12 +18,12 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.joints.blend import limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario.scenario import GantryGains
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.units import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,14 @@ from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import (
     composed,
-    rotation_matrix,
     turn_between,
     turned,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
-from atlas_drake.rotations import cross
+from atlas_drake.rotations import cross, rotation_matrix
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.units import GRAVITY
 
 _UPWARD = np.array([0.0, 0.0, GRAVITY])
 """Specific force of a body at rest, in W [m/s²]."""

@@ -17,7 +17,6 @@ from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.systems.framework import Context, State
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import InvalidMessageError, ScenarioError, did_you_mean, shown
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
@@ -31,6 +30,7 @@ from atlas_drake.scenario.pushes import (
     PlannedPush,
 )
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.units import GRAVITY
 
 SAME_TIME = 1e-9
 """Times closer than this are the same [s]: times are sums of rounded periods."""

@@ -13,11 +13,11 @@ from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import FrameIndex
 from pydrake.systems.framework import Context, DiscreteValues
 
-from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
 from atlas_drake.records.groups import Gains
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.contact_forces import contact_wrenches, shapes_of
 from atlas_drake.systems.imu import ImuModel, NoisySystem

@@ -9,8 +9,9 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiscreteValues
 
-from atlas_drake.control.estimation.attitude import rotation_matrix, turn_between
+from atlas_drake.control.estimation.attitude import turn_between
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.rotations import rotation_matrix
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 

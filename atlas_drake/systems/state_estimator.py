@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.systems.framework import Context, State
 
-from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.estimation.leg_odometry import (
     OdometryState,
     OdometryTuning,
@@ -16,11 +15,12 @@ from atlas_drake.control.estimation.leg_odometry import (
     predict,
     start_odometry,
 )
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import Frozen
 from atlas_drake.robot import Robot
-from atlas_drake.rotations import cross
+from atlas_drake.rotations import cross, rotation_matrix
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.units import GRAVITY
 
 
 @dataclass(frozen=True)

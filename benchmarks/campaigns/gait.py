@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.messages.event import FOOTSTEP
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
+from atlas_drake.units import GRAVITY
 
 SKIPPED = 3
 """Steps at both ends of the walk that do not count."""

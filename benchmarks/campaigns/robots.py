@@ -19,7 +19,7 @@ from typing import Any
 from atlas_drake import AtlasSimulation, Behavior, StepStream, steps_ahead
 from atlas_drake.app.main import main
 from atlas_drake.behaviors.scaling import ATLAS
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.units import GRAVITY
 
 ROBOTS = ("talos", "g1", "icub", "romeo", "jvrc", "alexander")
 FOLDER = Path(__file__).parents[2] / "build" / "robots"

@@ -11,11 +11,11 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_z
+from atlas_drake.units import GRAVITY
 
 from .conftest import as_request
 

@@ -26,10 +26,10 @@ from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.sole_motion import Pitch, pitch_from
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body import ComTask
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, UP, FootPose
 from atlas_drake.rotations import rotation_z
+from atlas_drake.units import GRAVITY
 
 from .conftest import as_request
 

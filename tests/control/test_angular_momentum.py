@@ -8,7 +8,8 @@ from atlas_drake.control.whole_body.angular_momentum import (
     swing_inertia,
     trunk_inertia,
 )
-from atlas_drake.control.whole_body.model import GRAVITY, standing_terms
+from atlas_drake.control.whole_body.model import standing_terms
+from atlas_drake.units import GRAVITY
 
 STILL = np.zeros(6)
 

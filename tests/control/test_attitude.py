@@ -7,13 +7,13 @@ from pydrake.common.eigen_geometry import AngleAxis, Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.estimation.attitude import (
-    rotation_matrix,
     turn_between,
     turned,
     turned_in_world,
     upright_correction,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.rotations import rotation_matrix
+from atlas_drake.units import GRAVITY
 
 component = st.floats(-3.0, 3.0, allow_subnormal=False)
 vector = st.tuples(component, component, component).map(np.array)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.estimation.attitude import (
-    rotation_matrix,
     turn_between,
     turned,
 )
@@ -15,8 +14,9 @@ from atlas_drake.control.estimation.leg_odometry import (
     slip_rate,
     start_odometry,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
+from atlas_drake.rotations import rotation_matrix
+from atlas_drake.units import GRAVITY
 
 DT = 0.002
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])

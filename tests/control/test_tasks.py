@@ -10,8 +10,8 @@ from atlas_drake.control.balance.feedback import (
 )
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.wrenches import center_of_pressure
+from atlas_drake.units import GRAVITY
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 

@@ -19,7 +19,7 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.units import GRAVITY
 
 from .conftest import residual
 

@@ -25,9 +25,9 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import ContactEntry
 from atlas_drake.rotations import rotation_about
+from atlas_drake.units import GRAVITY
 
 from .conftest import motion, residual
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.logs.failure_modes import (
     AT_LIMIT,
@@ -25,6 +24,7 @@ from atlas_drake.logs.failure_modes import (
 from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep
+from atlas_drake.units import GRAVITY
 
 TICK = 0.01
 SOLES = np.array([[0.0, 0.1, 0.0], [0.0, -0.1, 0.0]])

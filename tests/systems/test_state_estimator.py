@@ -5,7 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.estimation.attitude import rotation_matrix, turned
+from atlas_drake.control.estimation.attitude import turned
+from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario import Start
 from atlas_drake.systems.run_statistics import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator

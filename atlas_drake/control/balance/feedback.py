@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
+from atlas_drake.units import GRAVITY
 
 MIN_HEIGHT = 0.1
 """Lower bound of the pendulum's height [m]. Numerical: it keeps the natural frequency

@@ -12,19 +12,7 @@ import math
 
 import numpy as np
 
-from atlas_drake.control.whole_body.model import GRAVITY
-
-
-def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
-    """Converts an orientation to a rotation matrix R_WB, shape (3, 3)."""
-    w, x, y, z = q_WB.tolist()
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
+from atlas_drake.units import GRAVITY
 
 
 def turned(q_WB: np.ndarray, turn_B: np.ndarray) -> np.ndarray:

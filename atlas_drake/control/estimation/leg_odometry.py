@@ -15,14 +15,14 @@ from annotated_types import Unit
 
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.estimation.attitude import (
-    rotation_matrix,
     turned,
     turned_in_world,
     upright_correction,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen
+from atlas_drake.rotations import rotation_matrix
 from atlas_drake.units import (
+    GRAVITY,
     Meters,
     MetersPerSecond,
     MetersPerSecondSquared,

@@ -14,10 +14,9 @@ from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.feet.leg_pose import LegPose
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
-from atlas_drake.units import Meters, Radians
+from atlas_drake.units import GRAVITY, Meters, Radians
 
 LEGS_COM = 0.5
 """Position of the legs' center of mass on the line from ankles to pelvis [-]: geometry,

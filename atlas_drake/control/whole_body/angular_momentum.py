@@ -17,8 +17,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.units import GRAVITY
 
 _BASE = 6
 """Velocities of the pelvis, which precede those of the joints."""

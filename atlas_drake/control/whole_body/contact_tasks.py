@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.tasks import Task, TaskRows
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.units import GRAVITY
 
 _ZERO = np.zeros(3)
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])

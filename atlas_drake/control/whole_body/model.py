@@ -17,10 +17,7 @@ from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
-
-GRAVITY = 9.81
-"""Magnitude of the gravitational acceleration [m/s²]. No setting: Drake's
-plants have the same."""
+from atlas_drake.units import GRAVITY
 
 _ORIGIN = np.zeros(3)
 _NO_BIAS = read_only(np.zeros(6))

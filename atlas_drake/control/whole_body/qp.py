@@ -29,7 +29,6 @@ from atlas_drake.control.whole_body.constraints import (
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.diagnosis import why_unsolved
 from atlas_drake.control.whole_body.elimination import BASE, ReducedDynamics, TaskStack
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.quadratic_program import (
     INEQUALITY,
     SOFT,
@@ -39,6 +38,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
 from atlas_drake.control.whole_body.tasks import PostureTask, shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Robot
+from atlas_drake.units import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
-from atlas_drake.campaigns.distributions import draw
+from atlas_drake.clients.campaigns.campaign import PARAMETERS, Campaign
+from atlas_drake.clients.campaigns.distributions import draw
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import LARGEST_SEED
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atlas_drake.atomic_write import atomic_write
-from atlas_drake.campaigns.campaign import Campaign, figure_of
-from atlas_drake.campaigns.plan import Records, Search, case_list
-from atlas_drake.campaigns.results import read_campaign, read_records
-from atlas_drake.campaigns.shipped import FIRST_FAILURE, FIRST_FAILURE_AT
-from atlas_drake.campaigns.table import (
+from atlas_drake.clients.campaigns.campaign import Campaign, figure_of
+from atlas_drake.clients.campaigns.plan import Records, Search, case_list
+from atlas_drake.clients.campaigns.results import read_campaign, read_records
+from atlas_drake.clients.campaigns.shipped import FIRST_FAILURE, FIRST_FAILURE_AT
+from atlas_drake.clients.campaigns.table import (
     FIGURES,
     VALUES,
     case_label,
@@ -45,7 +45,7 @@ def write_results(folder: Path) -> tuple[str, list[Path]]:
     pages = []
     if records:
         # Matplotlib loads only here.
-        from atlas_drake.campaigns.figures import write_figures
+        from atlas_drake.clients.campaigns.figures import write_figures
 
         pages = write_figures(campaign, records, folder)
     text += "".join(f"\n![{page.stem}]({page.name})\n" for page in pages)

@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from atlas_drake.atomic_write import atomic_write
-from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.plan import Records, Search, case_list
-from atlas_drake.campaigns.table import (
+from atlas_drake.clients.campaigns.campaign import Campaign
+from atlas_drake.clients.campaigns.plan import Records, Search, case_list
+from atlas_drake.clients.campaigns.table import (
     FIGURES,
     VALUES,
     case_label,

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from atlas_drake.campaigns.plan import Records
+from atlas_drake.clients.campaigns.plan import Records
 from atlas_drake.errors import ScenarioError
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from atlas_drake.behaviors.registration import registered
-from atlas_drake.campaigns.campaign import Campaign, unmet
-from atlas_drake.campaigns.plan import Record, Trial, parameters_of, scenario_of
-from atlas_drake.campaigns.shipped import METRICS, TRIALS, Figures
+from atlas_drake.clients.campaigns.campaign import Campaign, unmet
+from atlas_drake.clients.campaigns.plan import Record, Trial, parameters_of, scenario_of
+from atlas_drake.clients.campaigns.shipped import METRICS, TRIALS, Figures
 from atlas_drake.config import plain_number
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.records import TickRecord

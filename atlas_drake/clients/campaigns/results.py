@@ -15,8 +15,8 @@ from typing import Any, Self
 from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.atomic_write import atomic_write, why_not_readable
-from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.plan import Record, Records
+from atlas_drake.clients.campaigns.campaign import Campaign
+from atlas_drake.clients.campaigns.plan import Record, Records
 from atlas_drake.config import as_plain, checked, read_file, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario.differences import flat

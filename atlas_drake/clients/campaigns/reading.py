@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
-from atlas_drake.campaigns.distributions import is_distribution
+from atlas_drake.clients.campaigns.campaign import PARAMETERS, Campaign
+from atlas_drake.clients.campaigns.distributions import is_distribution
 from atlas_drake.config import checked, read_fields, read_file, read_yaml
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import (

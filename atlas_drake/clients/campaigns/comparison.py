@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from atlas_drake.campaigns.plan import Records
-from atlas_drake.campaigns.report import markdown, share_text
-from atlas_drake.campaigns.table import (
+from atlas_drake.clients.campaigns.plan import Records
+from atlas_drake.clients.campaigns.report import markdown, share_text
+from atlas_drake.clients.campaigns.table import (
     FIGURES,
     check_packages,
     mcnemar,

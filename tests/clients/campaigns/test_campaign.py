@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from atlas_drake import ScenarioError
-from atlas_drake.campaigns import Campaign, load_campaign
-from atlas_drake.campaigns.campaign import unmet
-from atlas_drake.campaigns.distributions import check_distribution, draw
-from atlas_drake.campaigns.plan import (
+from atlas_drake.clients.campaigns import Campaign, load_campaign
+from atlas_drake.clients.campaigns.campaign import unmet
+from atlas_drake.clients.campaigns.distributions import check_distribution, draw
+from atlas_drake.clients.campaigns.plan import (
     case_list,
     make_trial,
     parameters_of,
@@ -172,7 +172,7 @@ def test_a_setting_replaces_distribution_and_cases(campaign_file):
 
 
 def test_the_docs_campaigns_can_be_loaded(tmp_path):
-    page = Path(__file__).parents[2] / "docs" / "campaigns.md"
+    page = Path(__file__).parents[3] / "docs" / "campaigns.md"
     blocks = re.findall(r"^```yaml\n(.*?)^```", page.read_text("utf-8"), re.S | re.M)
     assert len(blocks) == 3
     whole, pushes, threshold = blocks

@@ -9,19 +9,19 @@ import pyarrow.parquet as pq
 import pytest
 
 from atlas_drake import PlannedPush, Scenario, ScenarioError
-from atlas_drake.campaigns import Campaign, Threshold
-from atlas_drake.campaigns.children import as_line
-from atlas_drake.campaigns.comparison import compare
-from atlas_drake.campaigns.plan import (
+from atlas_drake.clients.campaigns import Campaign, Threshold
+from atlas_drake.clients.campaigns.children import as_line
+from atlas_drake.clients.campaigns.comparison import compare
+from atlas_drake.clients.campaigns.plan import (
     Search,
     Trial,
     case_list,
     make_trial,
     missing_trials,
 )
-from atlas_drake.campaigns.report import report, write_results
-from atlas_drake.campaigns.results import Results, read_campaign, read_records
-from atlas_drake.campaigns.table import mcnemar, mean_interval, share_interval
+from atlas_drake.clients.campaigns.report import report, write_results
+from atlas_drake.clients.campaigns.results import Results, read_campaign, read_records
+from atlas_drake.clients.campaigns.table import mcnemar, mean_interval, share_interval
 
 
 def record(number, success=True, seed=None, values=None, **found):

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, MinLen
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.campaigns.distributions import check_distribution, example
+from atlas_drake.clients.campaigns.distributions import check_distribution, example
 from atlas_drake.config import (
     CheckedOnce,
     Configuration,

@@ -16,15 +16,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.plan import Record, Records, Trial, missing_trials
-from atlas_drake.campaigns.results import Results
-from atlas_drake.campaigns.table import check_packages
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns.campaign import Campaign
+from atlas_drake.clients.campaigns.plan import Record, Records, Trial, missing_trials
+from atlas_drake.clients.campaigns.results import Results
+from atlas_drake.clients.campaigns.table import check_packages
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import AtlasError, ScenarioError
 
 if TYPE_CHECKING:
-    from atlas_drake.campaigns.children import Submit, Work
+    from atlas_drake.clients.campaigns.children import Submit, Work
 
 CONNECT_WITHIN = 10.0
 """Time for the scheduler of a cluster to answer [s]."""
@@ -63,7 +63,7 @@ def run_campaign(
     if jobs < 1:
         raise ScenarioError.about("--jobs", jobs, "must be 1 or more")
     check_packages()
-    from atlas_drake.campaigns.children import Work, local_children
+    from atlas_drake.clients.campaigns.children import Work, local_children
 
     TrialRunner(campaign)  # Finds every function, or names one that is missing.
     workers = local_children(Work.of(campaign), jobs)
@@ -127,7 +127,7 @@ def run_on_worker(work: Work, trial: Trial) -> bytes:
     """Runs a trial in a child of this worker, so that no trial ends the worker."""
     from distributed import get_worker
 
-    from atlas_drake.campaigns.children import Child
+    from atlas_drake.clients.campaigns.children import Child
 
     worker = get_worker()
     if multiprocessing.current_process().daemon:

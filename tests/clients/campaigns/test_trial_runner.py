@@ -6,10 +6,10 @@ from itertools import pairwise
 import pytest
 
 from atlas_drake import AtlasSimulation, ScenarioError
-from atlas_drake.campaigns.plan import make_trial
-from atlas_drake.campaigns.results import same_result
-from atlas_drake.campaigns.shipped import walk
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns.plan import make_trial
+from atlas_drake.clients.campaigns.results import same_result
+from atlas_drake.clients.campaigns.shipped import walk
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.scenario import Scenario, with_settings
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")

@@ -12,16 +12,16 @@ from dataclasses import replace
 import pytest
 
 from atlas_drake.app.main import main
-from atlas_drake.campaigns import load_campaign, run_campaign
-from atlas_drake.campaigns.children import Child, Work
-from atlas_drake.campaigns.plan import make_trial, missing_trials
-from atlas_drake.campaigns.results import (
+from atlas_drake.clients.campaigns import load_campaign, run_campaign
+from atlas_drake.clients.campaigns.children import Child, Work
+from atlas_drake.clients.campaigns.plan import make_trial, missing_trials
+from atlas_drake.clients.campaigns.results import (
     as_line,
     read_campaign,
     read_records,
     same_result,
 )
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 WAIT = 120.0
@@ -317,7 +317,7 @@ def test_a_campaign_runs_resumes_and_shows_one_trial(campaign_file, tmp_path, ca
 def test_arguments_of_sweep_that_cannot_be_used_exit_with_2(
     arguments, field, campaign_file, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr("atlas_drake.campaigns.runner.CONNECT_WITHIN", 0.5)
+    monkeypatch.setattr("atlas_drake.clients.campaigns.runner.CONNECT_WITHIN", 0.5)
     out = ["--out", str(tmp_path / "out")]
     assert main(["sweep", str(campaign_file()), *out, *arguments]) == 2
     assert field in capsys.readouterr().err

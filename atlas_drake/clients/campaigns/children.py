@@ -32,10 +32,10 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
-from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.plan import Trial
-from atlas_drake.campaigns.results import as_line
-from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.campaigns.campaign import Campaign
+from atlas_drake.clients.campaigns.plan import Trial
+from atlas_drake.clients.campaigns.results import as_line
+from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.config import as_plain, checked
 
 STARTS = 2

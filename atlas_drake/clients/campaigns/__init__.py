@@ -3,9 +3,9 @@
 A single run is in ``simulation``; the fields of a scenario are in ``scenario``.
 """
 
-from atlas_drake.campaigns.campaign import Campaign, Threshold
-from atlas_drake.campaigns.reading import load_campaign
-from atlas_drake.campaigns.runner import run_campaign
+from atlas_drake.clients.campaigns.campaign import Campaign, Threshold
+from atlas_drake.clients.campaigns.reading import load_campaign
+from atlas_drake.clients.campaigns.runner import run_campaign
 
 __all__ = [
     "Campaign",

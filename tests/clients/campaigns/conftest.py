@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 
-from atlas_drake.campaigns import load_campaign
+from atlas_drake.clients.campaigns import load_campaign
 
 TINY = """
 name: tiny
@@ -21,7 +21,7 @@ metrics: [success, tilt, energy]
 
 @pytest.fixture(autouse=True)
 def _small_figures(monkeypatch):
-    monkeypatch.setattr("atlas_drake.campaigns.figures.DPI", 20)
+    monkeypatch.setattr("atlas_drake.clients.campaigns.figures.DPI", 20)
 
 
 @pytest.fixture
