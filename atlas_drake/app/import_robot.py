@@ -16,7 +16,7 @@ from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.film_file import FilmError
 
 if TYPE_CHECKING:
-    from atlas_drake.importing.findings import Findings
+    from atlas_drake.clients.importing.findings import Findings
     from atlas_drake.robot import Robot
 
 LONGEST = 50.0
@@ -30,14 +30,14 @@ def run_import(options: argparse.Namespace) -> int:
     progress.show("Loading ...")
     quiet_logs()
     try:
-        from atlas_drake.importing.importer import folder_name, import_robot
-        from atlas_drake.importing.options import ImportOptions
+        from atlas_drake.clients.importing.importer import folder_name, import_robot
+        from atlas_drake.clients.importing.options import ImportOptions
     except ImportError as error:
         raise AtlasError(
             f'an import needs {error.name}: pip install "atlas-drake[import]"'
         ) from None
-    from atlas_drake.importing.findings import Findings
-    from atlas_drake.importing.source import find_source
+    from atlas_drake.clients.importing.findings import Findings
+    from atlas_drake.clients.importing.source import find_source
 
     source = find_source(options.robot)
     chosen = ImportOptions(
@@ -74,9 +74,9 @@ def _try(
     progress: StatusLine,
 ) -> int:
     """Lets the robot stand, walk and be pushed, and writes the report."""
-    from atlas_drake.importing.files import PAGE, PICTURE
-    from atlas_drake.importing.report import results, write_page, write_picture
-    from atlas_drake.importing.trial import try_robot
+    from atlas_drake.clients.importing.files import PAGE, PICTURE
+    from atlas_drake.clients.importing.report import results, write_page, write_picture
+    from atlas_drake.clients.importing.trial import try_robot
 
     def say(what: str) -> None:
         progress.show(f"Trying: {what} ...")

@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.importing.findings import GUESSED, REPAIRED, Findings
+from atlas_drake.clients.importing.findings import GUESSED, REPAIRED, Findings
 from atlas_drake.robot import RobotFile
 from atlas_drake.robot.parsing import parse
 

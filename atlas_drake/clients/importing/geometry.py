@@ -8,7 +8,7 @@ from typing import Any
 
 import lxml.etree as etree
 
-from atlas_drake.importing.elements import DRAKE, SHAPES, spelt
+from atlas_drake.clients.importing.elements import DRAKE, SHAPES, spelt
 
 
 @dataclass(frozen=True)

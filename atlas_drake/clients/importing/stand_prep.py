@@ -17,14 +17,14 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.solvers import Solve
 
-from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.importing.findings import (
+from atlas_drake.clients.importing.findings import (
     FOUND,
     LOST,
     Findings,
     ImportRefused,
 )
-from atlas_drake.importing.joint_defaults import default_gains, rotor_inertias
+from atlas_drake.clients.importing.joint_defaults import default_gains, rotor_inertias
+from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse

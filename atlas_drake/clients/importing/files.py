@@ -15,19 +15,19 @@ import yaml
 from pydrake.math import RotationMatrix
 
 from atlas_drake.atomic_write import atomic_write
-from atlas_drake.errors import printable
-from atlas_drake.importing.anatomy import Anatomy
-from atlas_drake.importing.elements import DRAKE, GEAR_RATIO, ROTOR_INERTIA
-from atlas_drake.importing.findings import LOST, Findings, ImportRefused
-from atlas_drake.importing.geometry import Geometry
-from atlas_drake.importing.meshes import (
+from atlas_drake.clients.importing.anatomy import Anatomy
+from atlas_drake.clients.importing.elements import DRAKE, GEAR_RATIO, ROTOR_INERTIA
+from atlas_drake.clients.importing.findings import LOST, Findings, ImportRefused
+from atlas_drake.clients.importing.geometry import Geometry
+from atlas_drake.clients.importing.meshes import (
     MeshLibrary,
     vertices_of,
     write_hull,
     write_visible,
 )
-from atlas_drake.importing.soles import Soles
-from atlas_drake.importing.tree import Tree
+from atlas_drake.clients.importing.soles import Soles
+from atlas_drake.clients.importing.tree import Tree
+from atlas_drake.errors import printable
 from atlas_drake.robot import RobotFile
 from atlas_drake.robot.load import IMPORTED
 

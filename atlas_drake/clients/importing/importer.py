@@ -9,9 +9,8 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.importing.anatomy import Anatomy, find_anatomy
-from atlas_drake.importing.files import (
+from atlas_drake.clients.importing.anatomy import Anatomy, find_anatomy
+from atlas_drake.clients.importing.files import (
     KEPT,
     MESHES,
     PAGE,
@@ -24,27 +23,28 @@ from atlas_drake.importing.files import (
     write_urdf,
     write_yaml,
 )
-from atlas_drake.importing.findings import (
+from atlas_drake.clients.importing.findings import (
     FOUND,
     GUESSED,
     REPAIRED,
     Findings,
     ImportRefused,
 )
-from atlas_drake.importing.inertias import repair_inertias
-from atlas_drake.importing.meshes import MeshLibrary
-from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.overlaps import Shapes, clear_arms, overlapping
-from atlas_drake.importing.repairs import (
+from atlas_drake.clients.importing.inertias import repair_inertias
+from atlas_drake.clients.importing.meshes import MeshLibrary
+from atlas_drake.clients.importing.options import ImportOptions
+from atlas_drake.clients.importing.overlaps import Shapes, clear_arms, overlapping
+from atlas_drake.clients.importing.repairs import (
     drop_shapes,
     drop_virtual_root,
     fix_joints,
     repair_limits,
 )
-from atlas_drake.importing.soles import Soles, find_soles
-from atlas_drake.importing.source import resolve
-from atlas_drake.importing.stand_prep import find_stand_prep
-from atlas_drake.importing.tree import Tree
+from atlas_drake.clients.importing.soles import Soles, find_soles
+from atlas_drake.clients.importing.source import resolve
+from atlas_drake.clients.importing.stand_prep import find_stand_prep
+from atlas_drake.clients.importing.tree import Tree
+from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import (
     FootEntry,
     JointEntry,

@@ -4,11 +4,11 @@ import re
 
 import pytest
 
+from atlas_drake.clients.importing.files import write_controller
+from atlas_drake.clients.importing.gentler import find_gentler, gentler_gaits
+from atlas_drake.clients.importing.report import results
+from atlas_drake.clients.importing.trial import try_robot
 from atlas_drake.config import read_yaml
-from atlas_drake.importing.files import write_controller
-from atlas_drake.importing.gentler import find_gentler, gentler_gaits
-from atlas_drake.importing.report import results
-from atlas_drake.importing.trial import try_robot
 from atlas_drake.scenario import Scenario
 
 from .replaced import limits

@@ -11,9 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from atlas_drake.behaviors.scaling import ATLAS
-from atlas_drake.importing.files import write_controller
-from atlas_drake.importing.gentler import find_gentler, what_bounds
-from atlas_drake.importing.motions import LONGEST, PIECE, SETTLES, advance, stands, walk
+from atlas_drake.clients.importing.files import write_controller
+from atlas_drake.clients.importing.gentler import find_gentler, what_bounds
+from atlas_drake.clients.importing.motions import (
+    LONGEST,
+    PIECE,
+    SETTLES,
+    advance,
+    stands,
+    walk,
+)
 from atlas_drake.planning.walk_at import fastest
 from atlas_drake.robot import TRUNK
 from atlas_drake.scenario import Scenario

@@ -18,7 +18,7 @@ from trimesh.resolvers import FilePathResolver
 from trimesh.visual.material import PBRMaterial
 
 from atlas_drake.atomic_write import why_not_readable
-from atlas_drake.importing.geometry import Geometry
+from atlas_drake.clients.importing.geometry import Geometry
 
 MOST_FACES = 6000
 """Faces from which a visible shape is simplified: the browser loads it at once."""

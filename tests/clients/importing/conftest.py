@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from atlas_drake.importing.findings import Findings
-from atlas_drake.importing.importer import import_robot
-from atlas_drake.importing.options import ImportOptions
+from atlas_drake.clients.importing.findings import Findings
+from atlas_drake.clients.importing.importer import import_robot
+from atlas_drake.clients.importing.options import ImportOptions
 
-HERON = Path(__file__).parents[1] / "robots" / "heron" / "heron.urdf"
+HERON = Path(__file__).parents[2] / "robots" / "heron" / "heron.urdf"
 
 
 @pytest.fixture(scope="session")

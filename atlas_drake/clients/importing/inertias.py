@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import yourdfpy.urdf as urdf
 
-from atlas_drake.importing.findings import (
+from atlas_drake.clients.importing.findings import (
     GUESSED,
     LOST,
     REPAIRED,
     Findings,
     ImportRefused,
 )
-from atlas_drake.importing.meshes import MeshLibrary
-from atlas_drake.importing.tree import Tree
+from atlas_drake.clients.importing.meshes import MeshLibrary
+from atlas_drake.clients.importing.tree import Tree
 
 LEAST_MASS = 1e-3
 """Mass of a moving link without one [kg]."""

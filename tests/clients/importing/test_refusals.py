@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from atlas_drake.app.main import main
-from atlas_drake.importing.findings import ImportRefused
-from atlas_drake.importing.options import ImportOptions
+from atlas_drake.clients.importing.findings import ImportRefused
+from atlas_drake.clients.importing.options import ImportOptions
 
 from .replaced import limits
 

@@ -11,8 +11,8 @@ from pydrake.geometry import Role
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.importing.geometry import Geometry
-from atlas_drake.importing.meshes import MeshLibrary, write_hull
+from atlas_drake.clients.importing.geometry import Geometry
+from atlas_drake.clients.importing.meshes import MeshLibrary, write_hull
 
 from .replaced import limits
 

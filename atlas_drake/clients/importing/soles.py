@@ -8,11 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from atlas_drake.importing.anatomy import Anatomy
-from atlas_drake.importing.findings import FOUND, GUESSED, Findings, ImportRefused
-from atlas_drake.importing.meshes import MeshLibrary
-from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.tree import Tree
+from atlas_drake.clients.importing.anatomy import Anatomy
+from atlas_drake.clients.importing.findings import (
+    FOUND,
+    GUESSED,
+    Findings,
+    ImportRefused,
+)
+from atlas_drake.clients.importing.meshes import MeshLibrary
+from atlas_drake.clients.importing.options import ImportOptions
+from atlas_drake.clients.importing.tree import Tree
 
 DEPTH = 0.03
 """Height above the lowest point up to which a foot is sole, in its lengths [-]."""

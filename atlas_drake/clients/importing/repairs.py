@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import yourdfpy.urdf as urdf
 
-from atlas_drake.importing.findings import (
+from atlas_drake.clients.importing.findings import (
     GUESSED,
     LOST,
     REPAIRED,
@@ -20,7 +20,7 @@ from atlas_drake.importing.findings import (
     ImportRefused,
     listed,
 )
-from atlas_drake.importing.tree import MOTIONS, MOVING, Tree
+from atlas_drake.clients.importing.tree import MOTIONS, MOVING, Tree
 from atlas_drake.units import GRAVITY
 
 LARGEST_EFFORT, LARGEST_SPEED = 1e5, 1e3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from atlas_drake.importing.findings import GUESSED, Findings
+from atlas_drake.clients.importing.findings import GUESSED, Findings
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.units import GRAVITY
 

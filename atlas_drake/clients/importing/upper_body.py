@@ -6,9 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.importing.findings import FOUND, Findings, ImportRefused, listed
-from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.tree import Tree
+from atlas_drake.clients.importing.findings import (
+    FOUND,
+    Findings,
+    ImportRefused,
+    listed,
+)
+from atlas_drake.clients.importing.options import ImportOptions
+from atlas_drake.clients.importing.tree import Tree
 
 MOST_ARM_JOINTS = 7
 """Joints of an arm; what is beyond them is the hand."""

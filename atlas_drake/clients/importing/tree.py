@@ -17,14 +17,14 @@ import yourdfpy.urdf as urdf
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform
 
-from atlas_drake.importing.elements import (
+from atlas_drake.clients.importing.elements import (
     DRAKE,
     GEAR_RATIO,
     ROTOR_INERTIA,
     check_elements,
 )
-from atlas_drake.importing.findings import ImportRefused
-from atlas_drake.importing.geometry import take_geometries
+from atlas_drake.clients.importing.findings import ImportRefused
+from atlas_drake.clients.importing.geometry import take_geometries
 
 MOVING = ("revolute", "continuous")
 MOTIONS = (*MOVING, "prismatic")

@@ -9,8 +9,8 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
 from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.clients.importing.findings import ImportRefused
 from atlas_drake.errors import did_you_mean
-from atlas_drake.importing.findings import ImportRefused
 
 PACKAGES = ("example-robot-data", "jvrc-description")
 """Packages of robots on PyPI, of the extra ``robots``."""

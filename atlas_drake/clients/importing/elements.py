@@ -9,7 +9,7 @@ from typing import Any
 
 import lxml.etree as etree
 
-from atlas_drake.importing.findings import ImportRefused
+from atlas_drake.clients.importing.findings import ImportRefused
 
 DRAKE = "http://drake.mit.edu"
 """Namespace of what Drake's parser reads beside the elements of URDF."""

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 
 from atlas_drake.app.main import main
+from atlas_drake.clients.importing.findings import Findings
+from atlas_drake.clients.importing.importer import import_robot
+from atlas_drake.clients.importing.meshes import write_hull
+from atlas_drake.clients.importing.options import ImportOptions
+from atlas_drake.clients.importing.source import find_source, resolve
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
-from atlas_drake.importing.findings import Findings
-from atlas_drake.importing.importer import import_robot
-from atlas_drake.importing.meshes import write_hull
-from atlas_drake.importing.options import ImportOptions
-from atlas_drake.importing.source import find_source, resolve
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.simulation import AtlasSimulation
 
-HERON = Path(__file__).parents[1] / "robots" / "heron" / "heron.yaml"
+HERON = Path(__file__).parents[2] / "robots" / "heron" / "heron.yaml"
 
 
 def test_heron_is_found_without_a_word_of_help(imported):
@@ -147,7 +147,7 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
 @pytest.mark.slow
 def test_the_trial_reports_what_the_robot_does(source, tmp_path, capsys, monkeypatch):
     for name, fewer in {"STANDS": 1.0, "STRIDES": (1.5,), "PUSHES": (0.2,)}.items():
-        monkeypatch.setattr(f"atlas_drake.importing.trial.{name}", fewer)
+        monkeypatch.setattr(f"atlas_drake.clients.importing.trial.{name}", fewer)
     made = tmp_path / "made"
     assert main(["import", str(source), "--out", str(made)]) == 0
     page = (made / "report.md").read_text()
@@ -165,7 +165,7 @@ def test_jvrc_walks(tmp_path):
     assert robot.num_joints == 32
     # Its ankles roll first.
     assert robot.legs[0].planar is None
-    from atlas_drake.importing.trial import try_robot
+    from atlas_drake.clients.importing.trial import try_robot
 
     trial = try_robot(robot.path, tmp_path / "log.mcap", 0.0, lambda text: None)
     assert trial.walks
@@ -349,7 +349,7 @@ def test_an_interrupted_trial_leaves_the_robot(source, tmp_path, capsys, monkeyp
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("atlas_drake.importing.trial.try_robot", interrupted)
+    monkeypatch.setattr("atlas_drake.clients.importing.trial.try_robot", interrupted)
     assert main(["import", str(source), "--out", "bird"]) == 130
     assert "bird/robot.yaml is whole, but not tried" in capsys.readouterr().out
     assert load_robot(tmp_path / "bird" / "robot.yaml")

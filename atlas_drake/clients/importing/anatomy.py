@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.importing.findings import (
+from atlas_drake.clients.importing.findings import (
     FOUND,
     GUESSED,
     REPAIRED,
@@ -20,10 +20,10 @@ from atlas_drake.importing.findings import (
     ImportRefused,
     listed,
 )
-from atlas_drake.importing.options import HEADINGS, ImportOptions
-from atlas_drake.importing.repairs import fix, turn_root
-from atlas_drake.importing.tree import Tree
-from atlas_drake.importing.upper_body import find_upper_body
+from atlas_drake.clients.importing.options import HEADINGS, ImportOptions
+from atlas_drake.clients.importing.repairs import fix, turn_root
+from atlas_drake.clients.importing.tree import Tree
+from atlas_drake.clients.importing.upper_body import find_upper_body
 from atlas_drake.robot import LEGS, LIMBS
 from atlas_drake.robot.leg import KNEE, NUM_JOINTS
 from atlas_drake.rotations import rotation_z

@@ -20,10 +20,10 @@ import numpy as np
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.scaling import CLEARANCE, feet_fitting
+from atlas_drake.clients.importing.files import MESHES, URDF
+from atlas_drake.clients.importing.motions import SETTLES, advance, walk
 from atlas_drake.config import overlaid
 from atlas_drake.frozen import replace
-from atlas_drake.importing.files import MESHES, URDF
-from atlas_drake.importing.motions import SETTLES, advance, walk
 from atlas_drake.robot import Size, load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
