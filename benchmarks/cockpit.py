@@ -19,7 +19,7 @@ from pydrake.geometry import Meshcat
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
-from atlas_drake.cockpit.cockpit import SHOWN, Cockpit
+from atlas_drake.clients.cockpit.cockpit import SHOWN, Cockpit
 from atlas_drake.visualization.overlays import Overlays
 
 ROUNDS = 6

@@ -2,8 +2,8 @@
 
 import orjson
 
-from atlas_drake.cockpit.describe import columns_of
-from atlas_drake.cockpit.frame import frame_json
+from atlas_drake.clients.cockpit.describe import columns_of
+from atlas_drake.clients.cockpit.frame import frame_json
 
 
 def numbers_on_page(sim, record):

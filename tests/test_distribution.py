@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from atlas_drake.cockpit.fields import scenario_fields
+from atlas_drake.clients.cockpit.fields import scenario_fields
 from atlas_drake.config import as_plain
 from atlas_drake.scenario import Scenario
 
@@ -71,7 +71,7 @@ def test_a_wheel_from_the_source_distribution_begins_the_tutorial(tmp_path):
 WITHOUT_SOURCES = """
 import json
 from atlas_drake import config
-from atlas_drake.cockpit.fields import settings_of
+from atlas_drake.clients.cockpit.fields import settings_of
 from atlas_drake.config import as_plain
 from atlas_drake.scenario import Scenario
 

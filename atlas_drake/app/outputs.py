@@ -24,7 +24,7 @@ from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_over
 from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 
 if TYPE_CHECKING:
-    from atlas_drake.cockpit.cockpit import Cockpit
+    from atlas_drake.clients.cockpit.cockpit import Cockpit
     from atlas_drake.simulation import AtlasSimulation
     from atlas_drake.visualization.overlays import Overlays
 
@@ -123,7 +123,7 @@ def cockpit_asked_for(
     """Serves the cockpit, if it is asked for, or where it is usual and installed."""
     if not wants_cockpit(options):
         return None
-    from atlas_drake.cockpit.cockpit import Cockpit
+    from atlas_drake.clients.cockpit.cockpit import Cockpit
 
     return Cockpit(options.host, options.port, overlays)
 
@@ -137,7 +137,7 @@ def wants_cockpit(options: argparse.Namespace) -> bool:
         raise ScenarioError("--cockpit", True, "cannot be used with --headless")
     if options.cockpit is not None or options.headless or not options.cockpit_is_usual:
         return bool(options.cockpit)
-    from atlas_drake.cockpit.cockpit import is_installed
+    from atlas_drake.clients.cockpit.cockpit import is_installed
 
     return is_installed()
 

@@ -43,7 +43,7 @@ from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
 if TYPE_CHECKING:
-    from atlas_drake.cockpit.cockpit import Cockpit
+    from atlas_drake.clients.cockpit.cockpit import Cockpit
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""

@@ -22,8 +22,8 @@ from atlas_drake.app.run import (
     verdict,
     with_options,
 )
-from atlas_drake.cockpit.cockpit import Cockpit
-from atlas_drake.cockpit.log_page import LogPage
+from atlas_drake.clients.cockpit.cockpit import Cockpit
+from atlas_drake.clients.cockpit.log_page import LogPage
 from atlas_drake.diagrams.replay import make_replay, make_replay_beside
 from atlas_drake.errors import AtlasError
 from atlas_drake.logs import Log

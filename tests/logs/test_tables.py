@@ -5,7 +5,7 @@ import pandas
 import pytest
 
 from atlas_drake.app.main import main
-from atlas_drake.cockpit.describe import columns_of
+from atlas_drake.clients.cockpit.describe import columns_of
 
 
 def test_every_number_has_a_name_and_the_unit_of_the_run(run, numbers_on_page):

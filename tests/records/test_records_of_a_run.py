@@ -16,7 +16,7 @@ from atlas_drake import (
 )
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.cockpit.describe import columns_of
+from atlas_drake.clients.cockpit.describe import columns_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
 from atlas_drake.messages.event import MESSAGE

@@ -14,7 +14,7 @@ from atlas_drake import (
     steps_ahead,
 )
 from atlas_drake.app.main import main
-from atlas_drake.cockpit.describe import describe_run
+from atlas_drake.clients.cockpit.describe import describe_run
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import LogError, read_log

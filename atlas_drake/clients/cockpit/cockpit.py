@@ -11,12 +11,12 @@ from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.cockpit.calls import call
-from atlas_drake.cockpit.link import Link, start_process
-from atlas_drake.cockpit.recording import Recording
-from atlas_drake.cockpit.run_page import RunPage
-from atlas_drake.cockpit.scenario_requests import NextRun
-from atlas_drake.cockpit.wire import (
+from atlas_drake.clients.cockpit.calls import call
+from atlas_drake.clients.cockpit.link import Link, start_process
+from atlas_drake.clients.cockpit.recording import Recording
+from atlas_drake.clients.cockpit.run_page import RunPage
+from atlas_drake.clients.cockpit.scenario_requests import NextRun
+from atlas_drake.clients.cockpit.wire import (
     ACKNOWLEDGED,
     Answer,
     Frame,
@@ -109,7 +109,7 @@ class Cockpit:
         self.overlays = overlays or Overlays(SHOWN)
         self.meshcat: Meshcat = start_meshcat(say=lambda _text: None)
         self._link, process = start_process(
-            "atlas_drake.cockpit.page", host, str(port or 0)
+            "atlas_drake.clients.cockpit.page", host, str(port or 0)
         )
         self._end = weakref.finalize(self, _end, self._link, process)
         hello = self._link.take(1, timeout=START_PATIENCE)

@@ -5,10 +5,10 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.cockpit.calls import call
-from atlas_drake.cockpit.recording import Recording
-from atlas_drake.cockpit.run_page import RunPage
-from atlas_drake.cockpit.scenario_requests import NextRun
+from atlas_drake.clients.cockpit.calls import call
+from atlas_drake.clients.cockpit.recording import Recording
+from atlas_drake.clients.cockpit.run_page import RunPage
+from atlas_drake.clients.cockpit.scenario_requests import NextRun
 from atlas_drake.visualization.overlays import Overlays
 
 

@@ -6,7 +6,7 @@ import urllib.request
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.cockpit.cockpit import Cockpit, CockpitError, open_cockpit
+from atlas_drake.clients.cockpit.cockpit import Cockpit, CockpitError, open_cockpit
 
 
 @pytest.fixture(scope="module")

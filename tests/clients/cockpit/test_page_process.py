@@ -5,8 +5,8 @@ import asyncio
 import aiohttp
 import pytest
 
-from atlas_drake.cockpit.link import start_process
-from atlas_drake.cockpit.wire import Notice
+from atlas_drake.clients.cockpit.link import start_process
+from atlas_drake.clients.cockpit.wire import Notice
 
 PATIENCE = 20.0
 """With a process [s]."""
@@ -19,7 +19,7 @@ def start():
 
     def start(port=8370):
         link, process = start_process(
-            "atlas_drake.cockpit.page", "localhost", str(port)
+            "atlas_drake.clients.cockpit.page", "localhost", str(port)
         )
         started.append((link, process))
         return link, process

@@ -11,7 +11,7 @@ from atlas_drake import (
     InvalidMessageError,
     read_log,
 )
-from atlas_drake.cockpit.log_page import MOST_POINTS, LogPage
+from atlas_drake.clients.cockpit.log_page import MOST_POINTS, LogPage
 from atlas_drake.visualization.overlays import Overlays
 
 from .conftest import Asked

@@ -35,7 +35,7 @@ NOT_LISTED = (
     "simulator.start_time",
 )
 """Paths that are no settings of the list, with all below them."""
-EXAMPLES = Path(__file__).parents[2] / "examples" / "scenarios"
+EXAMPLES = Path(__file__).parents[3] / "examples" / "scenarios"
 """Scenarios beside the package; an installed package has none."""
 
 

@@ -8,9 +8,9 @@ import msgpack
 import pytest
 from aiohttp import web
 
-from atlas_drake.cockpit.page import relay
-from atlas_drake.cockpit.page.relay import subject_of
-from atlas_drake.cockpit.page.sockets import Pending
+from atlas_drake.clients.cockpit.page import relay
+from atlas_drake.clients.cockpit.page.relay import subject_of
+from atlas_drake.clients.cockpit.page.sockets import Pending
 
 from .page_of import served
 

@@ -12,12 +12,12 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram
 
-from atlas_drake.cockpit.calls import offered
-from atlas_drake.cockpit.clock import FASTEST
-from atlas_drake.cockpit.describe import describe_log, thinned
-from atlas_drake.cockpit.frame import frame_json
-from atlas_drake.cockpit.recording import Recording
-from atlas_drake.cockpit.wire import Frame, Run
+from atlas_drake.clients.cockpit.calls import offered
+from atlas_drake.clients.cockpit.clock import FASTEST
+from atlas_drake.clients.cockpit.describe import describe_log, thinned
+from atlas_drake.clients.cockpit.frame import frame_json
+from atlas_drake.clients.cockpit.recording import Recording
+from atlas_drake.clients.cockpit.wire import Frame, Run
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.logs.log import Log
 from atlas_drake.messages.checks import check_number

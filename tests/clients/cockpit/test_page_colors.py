@@ -10,7 +10,7 @@ COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
 def test_the_page_has_the_palette_of_the_3d_view():
-    script = files("atlas_drake.cockpit.page") / "static" / "palette.js"
+    script = files("atlas_drake.clients.cockpit.page") / "static" / "palette.js"
     found = dict(NAMED.findall(script.read_text()))
     assert set(found) >= {"COM", "DCM", "COP", "FEET", "BEHAVIOR", "USER"}
     for name, text in found.items():

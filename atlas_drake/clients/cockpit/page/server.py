@@ -13,12 +13,12 @@ import orjson
 from aiohttp import WSMessage, WSMsgType, web
 from pydantic import BaseModel, ConfigDict, Field
 
-from atlas_drake.cockpit.page.access import Access, Throttle, add_headers
-from atlas_drake.cockpit.page.actions import Actions, Refused
-from atlas_drake.cockpit.page.relay import Relay
-from atlas_drake.cockpit.page.session import Session, Viewer, as_json
-from atlas_drake.cockpit.page.sockets import close, first_of, opened, send
-from atlas_drake.cockpit.wire import (
+from atlas_drake.clients.cockpit.page.access import Access, Throttle, add_headers
+from atlas_drake.clients.cockpit.page.actions import Actions, Refused
+from atlas_drake.clients.cockpit.page.relay import Relay
+from atlas_drake.clients.cockpit.page.session import Session, Viewer, as_json
+from atlas_drake.clients.cockpit.page.sockets import close, first_of, opened, send
+from atlas_drake.clients.cockpit.wire import (
     ACKNOWLEDGED,
     Answer,
     Frame,

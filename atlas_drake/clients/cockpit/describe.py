@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from pydrake.multibody.tree import Frame
 
-from atlas_drake.cockpit.fields import param_fields
-from atlas_drake.cockpit.frame import shown_event
+from atlas_drake.clients.cockpit.fields import param_fields
+from atlas_drake.clients.cockpit.frame import shown_event
 from atlas_drake.config import fields_of
 from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.logs import Log

@@ -12,12 +12,16 @@ from pydrake.common.yaml import yaml_load
 from atlas_drake import ScenarioError
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.teleop import followed
-from atlas_drake.cockpit.fields import param_fields, scenario_fields, settings_of
+from atlas_drake.clients.cockpit.fields import (
+    param_fields,
+    scenario_fields,
+    settings_of,
+)
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.scenario.world import WorldError
 from atlas_drake.units import Radians
 
-HERON = Path(__file__).parents[1] / "robots" / "heron"
+HERON = Path(__file__).parents[2] / "robots" / "heron"
 GAIN = "controller.gains.dcm_gain"
 
 
@@ -41,6 +45,10 @@ def test_a_setting_has_unit_bounds_and_usual_value(settings):
 def test_settings_of_the_package_say_what_they_are(settings):
     silent = [path for path, one in settings.items() if not one["text"]]
     assert all(path.startswith(("plant.", "simulator.")) for path in silent)
+
+
+def test_the_examples_can_be_chosen():
+    assert "platform" in settings_of(Scenario().resolved(), "")["examples"]
 
 
 def test_every_value_is_read_back_from_its_text(settings):

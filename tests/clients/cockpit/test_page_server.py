@@ -9,13 +9,13 @@ import aiohttp
 import pytest
 from yarl import URL
 
-from atlas_drake.cockpit.page import actions, sockets
-from atlas_drake.cockpit.page.__main__ import OneLine, Rarely
-from atlas_drake.cockpit.page.access import BURST
-from atlas_drake.cockpit.page.actions import MOST_OPEN
-from atlas_drake.cockpit.page.server import MOST_BYTES, MOST_BYTES_WATCHING
-from atlas_drake.cockpit.page.session import MOST_VIEWERS, SILENCE
-from atlas_drake.cockpit.wire import ACKNOWLEDGED, Notice, Settings
+from atlas_drake.clients.cockpit.page import actions, sockets
+from atlas_drake.clients.cockpit.page.__main__ import OneLine, Rarely
+from atlas_drake.clients.cockpit.page.access import BURST
+from atlas_drake.clients.cockpit.page.actions import MOST_OPEN
+from atlas_drake.clients.cockpit.page.server import MOST_BYTES, MOST_BYTES_WATCHING
+from atlas_drake.clients.cockpit.page.session import MOST_VIEWERS, SILENCE
+from atlas_drake.clients.cockpit.wire import ACKNOWLEDGED, Notice, Settings
 from atlas_drake.planning.pilot import Pilot
 
 from .page_of import Clock, served

@@ -9,11 +9,11 @@ import orjson
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
-from atlas_drake.cockpit.clock import KEPT_EVERY
-from atlas_drake.cockpit.cockpit import Cockpit
-from atlas_drake.cockpit.recording import ANIMATION, MESSAGE
-from atlas_drake.cockpit.run_page import why_refused
-from atlas_drake.cockpit.wire import Answer, Frame, Request
+from atlas_drake.clients.cockpit.clock import KEPT_EVERY
+from atlas_drake.clients.cockpit.cockpit import Cockpit
+from atlas_drake.clients.cockpit.recording import ANIMATION, MESSAGE
+from atlas_drake.clients.cockpit.run_page import why_refused
+from atlas_drake.clients.cockpit.wire import Answer, Frame, Request
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization import FRAME_RATE
 
@@ -236,7 +236,7 @@ def line(monkeypatch):
     """A line in the place of a page's process."""
     line = Line()
     line.come = ["http://localhost:8080/"]
-    module = "atlas_drake.cockpit.cockpit"
+    module = "atlas_drake.clients.cockpit.cockpit"
     monkeypatch.setattr(f"{module}.start_process", lambda *_arguments: (line, None))
     monkeypatch.setattr(f"{module}._end", lambda *_ends: None)
     return line

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.cockpit.clock import Clock
-from atlas_drake.cockpit.fields import EXAMPLES
+from atlas_drake.clients.cockpit.clock import Clock
+from atlas_drake.clients.cockpit.fields import EXAMPLES
 from atlas_drake.config import read_fields
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import Behavior

@@ -11,8 +11,8 @@ from typing import Any
 
 import orjson
 
-from atlas_drake.cockpit.page.sockets import Pending
-from atlas_drake.cockpit.wire import Frame, Notice, Run, Settings, ShownEvent
+from atlas_drake.clients.cockpit.page.sockets import Pending
+from atlas_drake.clients.cockpit.wire import Frame, Notice, Run, Settings, ShownEvent
 
 MOST_VIEWERS = 20
 """Pages that are open at a time with a token, and as many without."""

@@ -7,10 +7,10 @@ import json
 import aiohttp
 import numpy as np
 
-from atlas_drake.cockpit.page.access import Access
-from atlas_drake.cockpit.page.server import Server, serving
-from atlas_drake.cockpit.page.session import Session
-from atlas_drake.cockpit.wire import Answer, Frame, Request, Robot, Run
+from atlas_drake.clients.cockpit.page.access import Access
+from atlas_drake.clients.cockpit.page.server import Server, serving
+from atlas_drake.clients.cockpit.page.session import Session
+from atlas_drake.clients.cockpit.wire import Answer, Frame, Request, Robot, Run
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.planning.footholds import Gait

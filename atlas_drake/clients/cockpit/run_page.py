@@ -12,14 +12,14 @@ import orjson
 from pydrake.geometry import Meshcat
 
 from atlas_drake.behaviors.entry import BehaviorEntry, refusal_in_words
-from atlas_drake.cockpit.calls import offered
-from atlas_drake.cockpit.clock import Clock
-from atlas_drake.cockpit.describe import describe_run
-from atlas_drake.cockpit.fields import settings_of
-from atlas_drake.cockpit.frame import events_after, frame_json
-from atlas_drake.cockpit.recording import Recording
-from atlas_drake.cockpit.scenario_requests import NextRun, ScenarioRequests
-from atlas_drake.cockpit.wire import Frame, Robot, Run, Settings
+from atlas_drake.clients.cockpit.calls import offered
+from atlas_drake.clients.cockpit.clock import Clock
+from atlas_drake.clients.cockpit.describe import describe_run
+from atlas_drake.clients.cockpit.fields import settings_of
+from atlas_drake.clients.cockpit.frame import events_after, frame_json
+from atlas_drake.clients.cockpit.recording import Recording
+from atlas_drake.clients.cockpit.scenario_requests import NextRun, ScenarioRequests
+from atlas_drake.clients.cockpit.wire import Frame, Robot, Run, Settings
 from atlas_drake.config import checked
 from atlas_drake.logs.failure_modes import FailureWatch
 from atlas_drake.messages import Behavior, BehaviorStatus

@@ -2,7 +2,7 @@
 
 import pytest
 
-from atlas_drake.cockpit.page.access import BURST, PER_SECOND, Access, Throttle
+from atlas_drake.clients.cockpit.page.access import BURST, PER_SECOND, Access, Throttle
 
 HOST = "localhost:8080"
 CROSS_SITE = {"Host": HOST, "Sec-Fetch-Site": "cross-site"}

@@ -16,7 +16,13 @@ from typing import Any
 import msgpack
 from aiohttp import ClientError, ClientSession, TCPConnector, web
 
-from atlas_drake.cockpit.page.sockets import Pending, close, first_of, opened, send
+from atlas_drake.clients.cockpit.page.sockets import (
+    Pending,
+    close,
+    first_of,
+    opened,
+    send,
+)
 
 SCRIPT = re.compile(rb'src="cas-v1/([0-9a-f]+)"')
 """Where Meshcat's page names its script."""

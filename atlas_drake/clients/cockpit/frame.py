@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import orjson
 
-from atlas_drake.cockpit.wire import ShownEvent
+from atlas_drake.clients.cockpit.wire import ShownEvent
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorWalkFeedback,

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from atlas_drake.cockpit.page import sockets
-from atlas_drake.cockpit.page.session import (
+from atlas_drake.clients.cockpit.page import sockets
+from atlas_drake.clients.cockpit.page.session import (
     MOST_EVENTS,
     MOST_VIEWERS,
     SILENCE,
@@ -14,8 +14,8 @@ from atlas_drake.cockpit.page.session import (
     Session,
     Viewer,
 )
-from atlas_drake.cockpit.page.sockets import MOST_WAITING, Pending
-from atlas_drake.cockpit.wire import Frame, Notice
+from atlas_drake.clients.cockpit.page.sockets import MOST_WAITING, Pending
+from atlas_drake.clients.cockpit.wire import Frame, Notice
 
 from .page_of import Clock
 

@@ -12,11 +12,11 @@ from collections import Counter
 from typing import Any
 
 from atlas_drake.addresses import ANYWHERE, is_private
-from atlas_drake.cockpit.link import Link
-from atlas_drake.cockpit.page.access import Access
-from atlas_drake.cockpit.page.server import FIRST_PORT, Server, serving
-from atlas_drake.cockpit.page.session import Session
-from atlas_drake.cockpit.wire import Answer
+from atlas_drake.clients.cockpit.link import Link
+from atlas_drake.clients.cockpit.page.access import Access
+from atlas_drake.clients.cockpit.page.server import FIRST_PORT, Server, serving
+from atlas_drake.clients.cockpit.page.session import Session
+from atlas_drake.clients.cockpit.wire import Answer
 from atlas_drake.errors import printable
 
 LONGEST_LINE = 200
