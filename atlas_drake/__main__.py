@@ -2,7 +2,7 @@
 
 import sys
 
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

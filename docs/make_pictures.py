@@ -27,7 +27,7 @@ from atlas_drake import (
     film,
     read_log,
 )
-from atlas_drake.app.main import main as atlas_drake
+from atlas_drake.clients.cli.main import main as atlas_drake
 from atlas_drake.scenario.world_file import View
 from atlas_drake.simulation.parts_file import run_file
 from atlas_drake.visualization.overlays import Overlays

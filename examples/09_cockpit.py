@@ -8,7 +8,7 @@ import argparse
 import sys
 
 from atlas_drake import AtlasSimulation, Behavior
-from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cockpit.cockpit import open_cockpit
 from atlas_drake.simulation.pilot import pilot_of
 

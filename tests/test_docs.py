@@ -23,9 +23,9 @@ from pydrake.common.yaml import yaml_load
 from referencing import Registry, Resource
 from referencing.jsonschema import DRAFT202012
 
-from atlas_drake.app.main import _parsed, main
-from atlas_drake.app.run import with_options
-from atlas_drake.app.sweep import _campaign
+from atlas_drake.clients.cli.main import _parsed, main
+from atlas_drake.clients.cli.run import with_options
+from atlas_drake.clients.cli.sweep import _campaign
 from atlas_drake.scenario import Scenario, load_scenario, scenario_from
 
 ROOT = Path(__file__).parents[1]

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from atlas_drake import AtlasSimulation, Behavior, StepStream, steps_ahead
-from atlas_drake.app.main import main
 from atlas_drake.behaviors.scaling import ATLAS
+from atlas_drake.clients.cli.main import main
 from atlas_drake.units import GRAVITY
 
 ROBOTS = ("talos", "g1", "icub", "romeo", "jvrc", "alexander")

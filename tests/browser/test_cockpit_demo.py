@@ -2,7 +2,7 @@
 
 import pytest
 
-from atlas_drake.app.exit_status import INTERRUPTED
+from atlas_drake.clients.cli.exit_status import INTERRUPTED
 from atlas_drake.simulation.tutorial import STEPS
 
 from .conftest import CockpitPage, Run, wait_for

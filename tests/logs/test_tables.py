@@ -4,7 +4,7 @@ import numpy as np
 import pandas
 import pytest
 
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.cockpit.describe import columns_of
 
 

@@ -13,7 +13,7 @@ from atlas_drake import (
     load_scenario,
     steps_ahead,
 )
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.cockpit.describe import describe_run
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError

@@ -10,7 +10,7 @@ from pydrake.geometry import Mesh
 from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 from atlas_drake.config import as_plain
 from atlas_drake.diagrams.film import RATE, film
 from atlas_drake.frozen import replace

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import pytest
 
-from atlas_drake.app.main import main
 from atlas_drake.clients.campaigns import load_campaign, run_campaign
 from atlas_drake.clients.campaigns.children import Child, Work
 from atlas_drake.clients.campaigns.plan import make_trial, missing_trials
@@ -22,6 +21,7 @@ from atlas_drake.clients.campaigns.results import (
     same_result,
 )
 from atlas_drake.clients.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.cli.main import main
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 WAIT = 120.0

@@ -10,8 +10,8 @@ import pytest
 from pydrake.common.yaml import yaml_load
 
 from atlas_drake import ScenarioError
-from atlas_drake.app.progress import Progress
-from atlas_drake.app.teleop import followed
+from atlas_drake.clients.cli.progress import Progress
+from atlas_drake.clients.cli.teleop import followed
 from atlas_drake.clients.cockpit.fields import (
     param_fields,
     scenario_fields,

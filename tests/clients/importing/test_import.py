@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.importing.findings import Findings
 from atlas_drake.clients.importing.importer import import_robot
 from atlas_drake.clients.importing.meshes import write_hull

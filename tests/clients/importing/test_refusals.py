@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.importing.findings import ImportRefused
 from atlas_drake.clients.importing.options import ImportOptions
 

@@ -14,9 +14,9 @@ from pathlib import Path
 
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
-from atlas_drake.app.outputs import (
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.interrupts import ctrl_c, nothing_cut_off
+from atlas_drake.clients.cli.outputs import (
     check_outputs,
     check_writable,
     invite_viewer,
@@ -29,8 +29,8 @@ from atlas_drake.app.outputs import (
     shown_of_log,
     wants_cockpit,
 )
-from atlas_drake.app.progress import Progress, StatusLine
-from atlas_drake.app.run import PIECE
+from atlas_drake.clients.cli.progress import Progress, StatusLine
+from atlas_drake.clients.cli.run import PIECE
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
@@ -111,7 +111,7 @@ def replay_log(options: argparse.Namespace) -> int:
     if options.cockpit and options.record is not None:
         raise LogError("--record cannot be used with --cockpit")
     if options.record is None and wants_cockpit(options):
-        from atlas_drake.app.teleop import play_in_cockpit
+        from atlas_drake.clients.cli.teleop import play_in_cockpit
 
         progress, beside = StatusLine(sys.stdout), None
         if options.beside is not None:

@@ -11,16 +11,6 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.film import film_run, log_for_film
-from atlas_drake.app.interrupts import nothing_cut_off
-from atlas_drake.app.outputs import (
-    check_outputs,
-    invite_viewer,
-    keep_log,
-    open_view,
-)
-from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.clients.campaigns import Campaign, load_campaign, run_campaign
 from atlas_drake.clients.campaigns.comparison import compare
 from atlas_drake.clients.campaigns.plan import make_trial, number_of_trials, scenario_of
@@ -32,6 +22,16 @@ from atlas_drake.clients.campaigns.results import (
     same_result,
 )
 from atlas_drake.clients.campaigns.trial_runner import TrialRunner
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.film import film_run, log_for_film
+from atlas_drake.clients.cli.interrupts import nothing_cut_off
+from atlas_drake.clients.cli.outputs import (
+    check_outputs,
+    invite_viewer,
+    keep_log,
+    open_view,
+)
+from atlas_drake.clients.cli.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.mcap_writer import check_log_path
 from atlas_drake.visualization import FILM_SIZE

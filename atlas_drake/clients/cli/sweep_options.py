@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.app.options import (
+from atlas_drake.clients.cli.options import (
     add_address_options,
     add_robot_options,
     add_show_option,

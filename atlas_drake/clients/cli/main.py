@@ -13,9 +13,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.import_options import add_import_command
-from atlas_drake.app.options import (
+from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.import_options import add_import_command
+from atlas_drake.clients.cli.options import (
     add_address_options,
     add_cockpit_option,
     add_record_option,
@@ -26,8 +27,7 @@ from atlas_drake.app.options import (
     rate,
     size,
 )
-from atlas_drake.app.sweep_options import add_sweep_commands
-from atlas_drake.atomic_write import why_not_readable
+from atlas_drake.clients.cli.sweep_options import add_sweep_commands
 from atlas_drake.errors import AtlasError, printable
 from atlas_drake.visualization import FILM_SIZE
 
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _check_files_read(options)
         # Only the module of the command is loaded, and Drake with it.
         module, _, name = options.run.partition(".")
-        run = getattr(import_module(f"atlas_drake.app.{module}"), name)
+        run = getattr(import_module(f"atlas_drake.clients.cli.{module}"), name)
         status: int = run(options)
         return status
     except AtlasError as error:

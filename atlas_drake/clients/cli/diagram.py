@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.progress import StatusLine
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.progress import StatusLine
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.errors import AtlasError
 from atlas_drake.robot import load_robot

@@ -12,9 +12,9 @@ import threading
 from contextlib import redirect_stdout
 from typing import Any, TextIO
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.progress import Progress
-from atlas_drake.app.run import (
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.progress import Progress
+from atlas_drake.clients.cli.run import (
     PIECE,
     end_after_fall,
     run_scenario,

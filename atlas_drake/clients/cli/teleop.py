@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 from pydrake.math import RigidTransform
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.outputs import quiet_logs, shown_of_log
-from atlas_drake.app.progress import Progress
-from atlas_drake.app.run import (
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.interrupts import ctrl_c
+from atlas_drake.clients.cli.outputs import quiet_logs, shown_of_log
+from atlas_drake.clients.cli.progress import Progress
+from atlas_drake.clients.cli.run import (
     INTERRUPTED,
     PIECE,
     scenario_of,

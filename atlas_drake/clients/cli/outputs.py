@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.atomic_write import atomic_write, why_not_writable
+from atlas_drake.clients.cli.progress import Progress, StatusLine
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.logs import Log, read_log
 from atlas_drake.logs.mcap_writer import check_log_path

@@ -7,9 +7,14 @@ from contextlib import suppress
 
 import pytest
 
-from atlas_drake.app import progress
-from atlas_drake.app.main import main
-from atlas_drake.app.progress import Progress, StatusLine, TrialProgress, event_line
+from atlas_drake.clients.cli import progress
+from atlas_drake.clients.cli.main import main
+from atlas_drake.clients.cli.progress import (
+    Progress,
+    StatusLine,
+    TrialProgress,
+    event_line,
+)
 from atlas_drake.messages.event import Event
 
 

@@ -16,10 +16,11 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.film import film_run, log_for_film, with_logged_overlays
-from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
-from atlas_drake.app.outputs import (
+from atlas_drake.behaviors.footsteps import is_elsewhere
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.film import film_run, log_for_film, with_logged_overlays
+from atlas_drake.clients.cli.interrupts import ctrl_c, nothing_cut_off
+from atlas_drake.clients.cli.outputs import (
     check_outputs,
     cockpit_asked_for,
     invite_viewer,
@@ -30,8 +31,7 @@ from atlas_drake.app.outputs import (
     quiet_logs,
     realtime_rate,
 )
-from atlas_drake.app.progress import Progress
-from atlas_drake.behaviors.footsteps import is_elsewhere
+from atlas_drake.clients.cli.progress import Progress
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings

@@ -14,10 +14,10 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import read_log
-from atlas_drake.app import run as run_command
-from atlas_drake.app.main import main
-from atlas_drake.app.run import AFTER_FALL, verdict
 from atlas_drake.atomic_write import atomic_write, why_not_writable
+from atlas_drake.clients.cli import run as run_command
+from atlas_drake.clients.cli.main import main
+from atlas_drake.clients.cli.run import AFTER_FALL, verdict
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.viewer import start_meshcat
 
@@ -92,7 +92,7 @@ def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
 def test_a_missing_file_is_reported_before_drake_is_loaded():
     code = """
 import sys
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 for verb in ("run", "teleop", "plot", "replay"):
     assert main([verb, "none.mcap"]) == 2, verb
 assert "pydrake" not in sys.modules

@@ -5,8 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario, read_log
-from atlas_drake.app import log as log_command
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli import log as log_command
+from atlas_drake.clients.cli.main import main
 from atlas_drake.logs.header import Header
 from atlas_drake.logs.mcap_writer import McapWriter
 

@@ -9,9 +9,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.outputs import quiet_logs
-from atlas_drake.app.progress import StatusLine
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.outputs import quiet_logs
+from atlas_drake.clients.cli.progress import StatusLine
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.film_file import FilmError
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from atlas_drake.app.main import main
+from atlas_drake.clients.cli.main import main
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 SHORT = ["--headless", "--set", "duration=0.02"]

@@ -14,10 +14,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.app import exit_status
-from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.outputs import keep, quiet_logs, read_saying, shown_of_log
-from atlas_drake.app.progress import StatusLine
+from atlas_drake.clients.cli import exit_status
+from atlas_drake.clients.cli.interrupts import ctrl_c
+from atlas_drake.clients.cli.outputs import keep, quiet_logs, read_saying, shown_of_log
+from atlas_drake.clients.cli.progress import StatusLine
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.scenario import Scenario

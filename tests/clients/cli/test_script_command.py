@@ -12,15 +12,15 @@ from types import SimpleNamespace
 import pytest
 
 from atlas_drake import read_log
-from atlas_drake.app.main import main
-from atlas_drake.app.run import end_after_fall
+from atlas_drake.clients.cli.main import main
+from atlas_drake.clients.cli.run import end_after_fall
 from atlas_drake.messages.event import Event
 
 from .conftest import COMMAND
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "scripts"
+EXAMPLES = Path(__file__).parents[3] / "examples" / "scripts"
 TUTORIAL = (
     Path(os.environ.get("ATLAS_DRAKE_REFERENCE", "no such folder"))
     / "atlas_switching_control_modes_tutorial.txt"

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from atlas_drake.app.progress import Progress
+from atlas_drake.clients.cli.progress import Progress
 
 COMMAND = [sys.executable, "-m", "atlas_drake"]
 
