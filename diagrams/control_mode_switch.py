@@ -33,8 +33,7 @@ def make_control_mode_switch(
     controller: ControllerSource | None = None,
     behaviors: Iterable[BehaviorEntry] = (),
     world: Iterable[WorldMaker] = (),
-    extend: Extend | None = None,
-    displays: Iterable[Extend] = (),
+    extend: Extend | Iterable[Extend] = (),
 ) -> Diagram:
     """Builds scheduler and station.
 
@@ -46,11 +45,10 @@ def make_control_mode_switch(
         world: Callables that add models.
         schedule: Commands of a scheduler with their times; without entries there is
             no scheduler.
-        extend: Adds systems with names of their own, connects them to the station,
-            exports ports. It may connect the station's command ports, where no
+        extend: One callable (builder, station) -> None, or a list that is called in
+            its order: each adds systems with names of their own, connects them to the
+            station, exports ports. It may connect the station's command ports, where no
             scheduler does.
-        displays: Callables (builder, station) -> None that add views and logs, before
-            ``extend`` is called.
 
     Input ports, all optional:
         atlas_command, atlas_sim_interface_command: Command ports of the station, unless
@@ -60,7 +58,7 @@ def make_control_mode_switch(
     Output ports: those of the station; with a scheduler, its ``sent``.
 
     Raises:
-        AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
+        AtlasError: If ``extend`` is none of these, or adds what Drake cannot build.
     """
     own_behaviors = registered(behaviors)
     robot, scenario = ready(robot, scenario, own_behaviors)
@@ -83,13 +81,9 @@ def make_control_mode_switch(
     for index in range(station.num_output_ports()):
         port = station.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
-    for add in displays:
-        add(builder, station)
     try:
-        if extend is not None:
-            if not callable(extend):
-                raise AtlasError(f"extend must be a callable, is {shown(extend)}")
-            extend(builder, station)
+        for add in additions(extend):
+            add(builder, station)
         for name in COMMAND_PORTS:
             port = station.GetInputPort(name)
             if not builder.IsConnectedOrExported(port):
@@ -104,6 +98,17 @@ def make_control_mode_switch(
         ) from error
     diagram.set_name("control_mode_switch")
     return diagram
+
+
+def additions(extend: Extend | Iterable[Extend]) -> tuple[Extend, ...]:
+    """Returns the callables of ``extend``, which is one or a list of them."""
+    if callable(extend):
+        return (extend,)
+    several = tuple(extend) if isinstance(extend, Iterable) else ()
+    if not (isinstance(extend, Iterable) and all(map(callable, several))):
+        wanted = "a callable (builder, station) -> None, or a list of them"
+        raise AtlasError(f"extend must be {wanted}, is {shown(extend)}")
+    return several
 
 
 def _add_scheduler(

@@ -79,7 +79,9 @@ class AtlasSimulation:
             advances, every 20 ms of simulated time. They may publish, push, wait,
             reset and restore; when one goes back in time, the advance still lasts as
             long as was asked. This is how clients such as the cockpit join.
-        on_event: Called with each event as it is noticed; None calls nothing.
+        listeners: Objects with any of ``begin(sim)``, called as a run begins,
+            ``event(event)``, with each event as it is noticed, and ``close()``, with
+            that of the simulation.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -97,10 +99,10 @@ class AtlasSimulation:
         controller: ControllerSource | None = None,
         behaviors: Iterable[BehaviorEntry] = (),
         world: Iterable[WorldMaker] = (),
-        extend: Extend | None = None,
+        extend: Extend | Iterable[Extend] = (),
+        listeners: Iterable[object] = (),
         view: bool | Meshcat | None = None,
         overlays: Overlays | None = None,
-        on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
@@ -116,12 +118,13 @@ class AtlasSimulation:
             world: Callables (plant) -> None that add models beside the robot before the
                 plant is finalized: a table, a ball.
             extend: Called with (builder, station) before the diagram is built, to add
-                systems of your own. ``output`` reads the ports that it exports.
+                systems of your own; one callable or a list. ``output`` reads the ports
+                that it exports.
+            listeners: The first ``listeners``, in their order.
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
                 ``atlas_drake.visualization.viewer``. None and False show nothing.
             overlays: Plans of the controller that are shown there.
-            on_event: Called with each event as it is noticed.
             log: File NAME.mcap that records the run, see ``atlas_drake.logs``.
 
         Raises:
@@ -138,7 +141,7 @@ class AtlasSimulation:
             scenario=(scenario, Scenario),
             view=(view, bool | Meshcat),
             overlays=(overlays, Overlays),
-            on_event=(on_event, Callable),
+            listeners=(listeners, Iterable),
             log=(log, str | os.PathLike),
         )
         self.meshcat = view if isinstance(view, Meshcat) else None
@@ -156,7 +159,7 @@ class AtlasSimulation:
             overlays,
             None if log is None else Path(log),
         )
-        self.behaviors, self.on_event = self._run.catalog, on_event
+        self.behaviors, self.listeners = self._run.catalog, list(listeners)
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
@@ -172,20 +175,20 @@ class AtlasSimulation:
         """Starts the records of a run that begins."""
         self._log = RunLog(self._run)
         self._wall_time = 0.0
+        self._call_listeners("begin", self)
 
     def close(self) -> None:
-        """Completes the log; the run may continue.
+        """Completes the log, and tells the listeners; the run may continue.
 
         Raises:
             LogError: If the log cannot be completed, now or earlier in the run, whose
                 ``events`` then hold a warning.
         """
-        if self._run.writer is None:
-            return
         # An error that ended the run occurs again in this look.
         with suppress(Exception):
             self._look()
         self._run.close_log()
+        self._call_listeners("close")
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -479,7 +482,7 @@ class AtlasSimulation:
         The run goes on from there with the same bits as it did then: robot and world,
         joint controllers, behaviors, shares of the user, messages and pushes that were
         pending, the rest of a schedule, noise and events. ``tick_seconds`` keeps the
-        times of all ticks, and ``on_event`` gets the events that follow once more.
+        times of all ticks, and ``listeners`` get the events that follow once more.
 
         Args:
             snapshot: Of this simulation; also of an earlier run. It can be restored any
@@ -659,9 +662,15 @@ class AtlasSimulation:
 
     def _tell(self, events: Iterable[Event]) -> None:
         """Hands events on, once all of them are kept."""
-        if self.on_event is not None:
-            for event in events:
-                self.on_event(event)
+        for event in events:
+            self._call_listeners("event", event)
+
+    def _call_listeners(self, name: str, *arguments: object) -> None:
+        """Calls a method of each listener that has it."""
+        for listener in tuple(self.listeners):
+            method = getattr(listener, name, None)
+            if method is not None:
+                method(*arguments)
 
 
 def _check_types(**arguments: tuple[object, Any]) -> None:

@@ -27,7 +27,11 @@ from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import reset_station
 from atlas_drake.diagrams.contact import set_ground_friction
-from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.control_mode_switch import (
+    Extend,
+    additions,
+    make_control_mode_switch,
+)
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.errors import AtlasError
@@ -72,7 +76,7 @@ class RunDiagram:
         controller: ControllerSource | None,
         behaviors: Iterable[BehaviorEntry],
         world: Iterable[WorldMaker],
-        extend: Extend | None,
+        extend: Extend | Iterable[Extend],
         meshcat: Meshcat | None,
         overlays: Overlays | None,
         log: Path | None,
@@ -114,8 +118,7 @@ class RunDiagram:
                 controller=controller,
                 behaviors=self.own_behaviors,
                 world=world,
-                extend=extend,
-                displays=displays,
+                extend=[*displays, *additions(extend)],
             )
             self._terrain, self._models = scenario.all_terrain(), scenario.all_models()
             self._has_world = bool(world or self._models)

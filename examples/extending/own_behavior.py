@@ -6,6 +6,7 @@ One function and one entry: BOW is requested, refused, logged and drawn like STA
 """
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -58,7 +59,7 @@ behaviors = [BOW]  # what --with takes from this file
 
 def main():
     """Bows, and stands up again."""
-    sim = AtlasSimulation(behaviors=behaviors, on_event=print)
+    sim = AtlasSimulation(behaviors=behaviors, listeners=[SimpleNamespace(event=print)])
     sim.publish(AtlasSimInterfaceCommand(behavior="BOW", params=BowParams(depth=0.4)))
     sim.advance(3.0)
     bend = sim.atlas_state.position[sim.robot.joint_index("back_bky")]

@@ -7,6 +7,7 @@ measured loads. A push at 2 s shows the limits of joint springs: they do not bal
 """
 
 import argparse
+from types import SimpleNamespace
 
 import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
@@ -60,7 +61,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--push", type=float, default=200.0, help="of the chest [N]")
     options = parser.parse_args()
-    sim = AtlasSimulation(controller=controller, on_event=print)
+    sim = AtlasSimulation(
+        controller=controller, listeners=[SimpleNamespace(event=print)]
+    )
     sim.advance(2.0)
     sim.apply_push("trunk", [options.push, 0.0, 0.0], 0.1)
     sim.advance(3.0)

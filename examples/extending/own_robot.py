@@ -8,6 +8,7 @@ Gains, steps and limits come from that file; the controller is the same.
 
 import argparse
 from pathlib import Path
+from types import SimpleNamespace
 
 from atlas_drake import (
     AtlasSimulation,
@@ -26,7 +27,9 @@ def main():
     parser.add_argument("robot", type=Path, nargs="?", default=HERON, help="YAML file")
     parser.add_argument("--distance", type=float, default=0.5, help="of the walk [m]")
     options = parser.parse_args()
-    sim = AtlasSimulation(Scenario(model=str(options.robot)), on_event=print)
+    sim = AtlasSimulation(
+        Scenario(model=str(options.robot)), listeners=[SimpleNamespace(event=print)]
+    )
     robot = sim.robot
     print(f"{robot.name} has {robot.num_joints} joints: {', '.join(robot.joint_names)}")
     sim.advance(1.0)

@@ -7,6 +7,7 @@ WALK with one more task, for which the posture of the arm is made cheap.
 
 import argparse
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seconds", type=float, default=6.0, help="of walking [s]")
     options = parser.parse_args()
-    sim = AtlasSimulation(behaviors=behaviors, on_event=print)
+    sim = AtlasSimulation(behaviors=behaviors, listeners=[SimpleNamespace(event=print)])
     errors, command = [], AtlasSimInterfaceCommand(behavior="WALK_WITH_HAND")
     command.walk_params.use_demo_walk = True
     sim.publish(command)

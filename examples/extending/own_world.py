@@ -64,11 +64,12 @@ def main():
     """Throws, and reads the log."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
-        with AtlasSimulation(world=world, log=path, on_event=print) as sim:
+        with AtlasSimulation(world=world, log=path) as sim:
             throw(sim, SPEED)
             sim.advance(2.0)
         log = read_log(path)
     time, impulse = find_hit(log)
+    print(*sim.events, sep="\n")
     print(f"The ball hit at {time:.3f} s with {np.linalg.norm(impulse):.1f} N·s.")
     sway = np.abs(log["balance.com_velocity.x"]).max()
     print(f"Its center of mass moved at {sway:.2f} m/s at most.")

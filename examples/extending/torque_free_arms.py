@@ -6,6 +6,8 @@ The arms get no torque; balance, QP and behaviors are the shipped ones. A diagra
 System, too, and so fits the socket if its ports have the right names.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
@@ -47,7 +49,9 @@ controller = make_controller  # what --with takes from this file
 
 def main():
     """Stands for three seconds, the arms hanging."""
-    sim = AtlasSimulation(controller=controller, on_event=print)
+    sim = AtlasSimulation(
+        controller=controller, listeners=[SimpleNamespace(event=print)]
+    )
     arms = sim.robot.limb("l_arm", "r_arm")
     sim.advance(3.0)
     effort = np.abs(sim.output("effort"))

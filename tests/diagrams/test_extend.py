@@ -39,6 +39,20 @@ def test_a_system_may_command_beside_publish():
     assert sim.current_behavior is Behavior.FREEZE
 
 
+def test_several_extensions_are_called_in_their_order():
+    called = []
+    AtlasSimulation(
+        extend=[lambda *_: called.append("first"), lambda *_: called.append("second")]
+    )
+    assert called == ["first", "second"]
+
+
+@pytest.mark.parametrize("wrong", ["view.py", None, [print, 3]])
+def test_what_is_no_extension_is_named(wrong):
+    with pytest.raises(AtlasError, match=r"extend must be a callable .* or a list"):
+        AtlasSimulation(extend=wrong)
+
+
 def test_the_schedule_has_the_ports_to_itself():
     with pytest.raises(AtlasError, match="connected to the station's command ports"):
         AtlasSimulation(Scenario(schedule="tutorial"), extend=manipulate)

@@ -1,6 +1,7 @@
 """``AtlasSimulation``: arguments, refusals, and results."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def shared():
 @pytest.fixture
 def sim(shared):
     """A new run, which equals that of a new simulation and begins much faster."""
-    shared.on_event = None
+    shared.listeners.clear()
     shared.reset(seed=0)
     return shared
 
@@ -47,7 +48,7 @@ def sim(shared):
         ("scenario", "x.yaml"),
         ("overlays", ["com"]),
         ("view", 1),
-        ("on_event", "print"),
+        ("listeners", print),
         ("log", True),
         ("log", b"run.mcap"),
     ],
@@ -325,7 +326,7 @@ def test_the_summary_is_json_and_says_what_was_run(summary_keys):
 
 def test_events_are_told_at_once_and_in_order(sim):
     told = []
-    sim.on_event = told.append
+    sim.listeners.append(SimpleNamespace(event=told.append))
     sim.advance(0.04)
     sim.publish(behavior_command("FREEZE"))
     sim.advance(0.04)
@@ -339,6 +340,25 @@ def test_events_are_told_at_once_and_in_order(sim):
     assert [change["text"] for change in changes] == [event.text for event in told]
 
 
+def test_a_listener_hears_each_run_begin_and_the_close():
+    class Listener:
+        def __init__(self):
+            self.heard = []
+
+        def begin(self, sim):
+            self.heard.append((sim.time, sim.scenario.seed))
+
+        def close(self):
+            self.heard.append("closed")
+
+    listener = Listener()
+    with AtlasSimulation(listeners=[listener, object()]) as sim:
+        sim.advance(0.01)
+        sim.reset()  # The run goes on.
+        sim.reset(seed=3)
+    assert listener.heard == [(0.0, 0), (0.0, 3), "closed"]
+
+
 def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
     error = RuntimeError("of the caller")
 
@@ -347,7 +367,7 @@ def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
 
     sim = AtlasSimulation(
         Scenario(),
-        on_event=on_event,
+        listeners=[SimpleNamespace(event=on_event)],
         log=tmp_path / "run.mcap",
     )
     sim.diagram.GetInputPort("atlas_command").FixValue(

@@ -121,20 +121,19 @@ class TrialRunner:
         logging.getLogger("atlas_drake").propagate = False
         logging.getLogger("drake").setLevel(logging.ERROR)
         given = {**self.parts, **arguments}
-        extend = given.pop("extend", None)
+        extend = given.pop("extend", ())
+        own = [extend] if callable(extend) else extend
         robot = load_robot(scenario.model)
 
-        def extend_all(builder: Any, station: Any) -> None:
+        def add_metrics(builder: Any, station: Any) -> None:
             metrics = self._metrics.values()
             for metric in metrics:
                 if hasattr(metric, "extend"):
                     metric.extend(builder, station, robot)
             if any(isinstance(metric, type) for metric in metrics):
                 add_listener(builder, station, LISTENER, self._update)
-            if extend is not None:
-                extend(builder, station)
 
-        return AtlasSimulation(scenario, extend=extend_all, **given)
+        return AtlasSimulation(scenario, extend=[add_metrics, *own], **given)
 
     def _update(self, record: TickRecord) -> None:
         """Feeds a record to the metrics of the present trial."""

@@ -116,7 +116,7 @@ def run_scenario(
         sim = AtlasSimulation(
             scenario,
             view=meshcat,
-            on_event=progress.event,
+            listeners=[progress],
             overlays=overlays,
             log=log,
             **parts,

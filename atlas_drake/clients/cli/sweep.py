@@ -167,7 +167,7 @@ def _one_trial(campaign: Campaign, out: Path, options: argparse.Namespace) -> in
             view=meshcat,
             overlays=Overlays(options.show),
             log=log,
-            on_event=progress.event,
+            listeners=[progress],
         )
         invite_viewer(meshcat, options, progress)
         if options.view:

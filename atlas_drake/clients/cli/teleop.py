@@ -53,7 +53,7 @@ def run_teleop(options: argparse.Namespace) -> int:
         arguments = load_parts(options.parts)
         if cockpit is not None:
             arguments |= {"view": cockpit.meshcat, "overlays": cockpit.overlays}
-        sim = AtlasSimulation(scenario, on_event=progress.event, **arguments)
+        sim = AtlasSimulation(scenario, listeners=[progress], **arguments)
         if cockpit is not None:
             cockpit.join(sim)
         return sim
