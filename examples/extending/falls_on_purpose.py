@@ -9,7 +9,6 @@ reports this in its status; the simulation detects the fall for any controller.
 import argparse
 import tempfile
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -61,9 +60,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--log", type=Path, help="default: in a temporary folder")
     path = parser.parse_args().log or Path(tempfile.mkdtemp()) / "fall.mcap"
-    with AtlasSimulation(
-        controller=controller, log=path, listeners=[SimpleNamespace(event=print)]
-    ) as sim:
+    with AtlasSimulation(controller=controller, log=path) as sim:
         sim.wait_until(lambda sim: sim.has_fallen)
         sim.advance(1.5)
     summary = sim.summary()
