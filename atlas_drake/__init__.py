@@ -16,6 +16,7 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
+    from atlas_drake.clients.session import AtlasSimulation
     from atlas_drake.diagrams.film import film
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.logs import Log, LogError, read_log
@@ -49,10 +50,10 @@ if TYPE_CHECKING:
         load_scenario,
     )
     from atlas_drake.scenario.terrain import Block
-    from atlas_drake.simulation import AtlasSimulation, SimulationError
+    from atlas_drake.simulation import SimulationError
 
 _LAZY = {
-    "AtlasSimulation": "atlas_drake.simulation",
+    "AtlasSimulation": "atlas_drake.clients.session",
     "ControllerStatus": "atlas_drake.messages.controller_status",
     "Event": "atlas_drake.messages.event",
     "Plan": "atlas_drake.messages.controller_status",

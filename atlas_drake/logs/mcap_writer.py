@@ -15,7 +15,6 @@ from typing import IO, Any
 import orjson
 from mcap.writer import CompressionType, Writer
 from pydrake.common.yaml import yaml_dump
-from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.atomic_write import why_not_writable
 from atlas_drake.config import as_plain
@@ -38,7 +37,6 @@ from atlas_drake.records.plain import to_plain
 from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.scenario import LogContent, Scenario
-from atlas_drake.systems.record_reader import add_listener
 
 METADATA, HEADER = "atlas_drake", "header"
 """Names of the metadata record that holds the header, and of its entry."""
@@ -223,18 +221,4 @@ def _dumped(name: str, value: Any) -> bytes:
         message_of_part(name, value),
         default=to_plain,
         option=orjson.OPT_SERIALIZE_NUMPY,
-    )
-
-
-def add_log(builder: DiagramBuilder, station: Any, writer: McapWriter) -> None:
-    """Adds what hands records to a writer to a diagram with an AtlasStation."""
-    writer.begin(station.GetSubsystemByName("tick_recorder").schema)
-    keep = writer.keep
-    add_listener(
-        builder,
-        station,
-        "log",
-        writer.record,
-        paths=keep.paths,
-        contacts=keep.contacts,
     )

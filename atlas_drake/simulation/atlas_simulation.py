@@ -6,17 +6,14 @@
 from __future__ import annotations
 
 import math
-import os
 import threading
 import time
 from collections.abc import Callable, Iterable, MutableSequence, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
@@ -53,7 +50,6 @@ from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import Beginning, Done, RunLog, Snapshot
 from atlas_drake.simulation.start import start_of_reset
 from atlas_drake.simulation.summary import make_summary
-from atlas_drake.visualization.overlays import Overlays
 
 CHUNK = 0.02
 """Simulated time between two calls of the hooks [s]."""
@@ -74,7 +70,6 @@ class AtlasSimulation:
         station: The ``AtlasStation`` in the diagram.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
-        meshcat: Meshcat of the 3D view, None without a view.
         hooks: Callables (sim) -> None, called in their order by the thread that
             advances, every 20 ms of simulated time. They may publish, push, wait,
             reset and restore; when one goes back in time, the advance still lasts as
@@ -101,9 +96,6 @@ class AtlasSimulation:
         world: Iterable[WorldMaker] = (),
         extend: Extend | Iterable[Extend] = (),
         listeners: Iterable[object] = (),
-        view: bool | Meshcat | None = None,
-        overlays: Overlays | None = None,
-        log: str | Path | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
 
@@ -121,43 +113,26 @@ class AtlasSimulation:
                 systems of your own; one callable or a list. ``output`` reads the ports
                 that it exports.
             listeners: The first ``listeners``, in their order.
-            view: True opens a 3D view in the browser, prints its address, and shows
-                the run in real time. A Meshcat of yours is drawn in at full speed; see
-                ``atlas_drake.visualization.viewer``. None and False show nothing.
-            overlays: Plans of the controller that are shown there.
-            log: File NAME.mcap that records the run, see ``atlas_drake.logs``.
 
         Raises:
             TypeError: If an argument is of the wrong type; it names the argument.
             ScenarioError: If the scenario has a value that cannot be used.
             RobotDescriptionError: If the robot's files cannot be used.
-            LogError: If the log cannot be written.
             ControllerError: If the controller does not fit the station.
             WorldError: If the world cannot be added, or the robot would begin inside
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        _check_types(
+        check_types(
             scenario=(scenario, Scenario),
-            view=(view, bool | Meshcat),
-            overlays=(overlays, Overlays),
             listeners=(listeners, Iterable),
-            log=(log, str | os.PathLike),
         )
-        self.meshcat = view if isinstance(view, Meshcat) else None
-        if view is True:
-            from atlas_drake.visualization.viewer import await_viewer, start_meshcat
-
-            self.meshcat = start_meshcat()
         self._run = RunDiagram(
             scenario or Scenario(),
             controller,
             behaviors,
             world,
             extend,
-            self.meshcat,
-            overlays,
-            None if log is None else Path(log),
         )
         self.behaviors, self.listeners = self._run.catalog, list(listeners)
         self.robot, self.simulator = self._run.robot, self._run.simulator
@@ -166,10 +141,6 @@ class AtlasSimulation:
         self.hooks: list[Hook] = []
         self._thread: int | None = None  # Of the advance that goes on.
         self._note_begin()
-        if view is True and self.meshcat is not None:
-            await_viewer(self.meshcat)
-            if not self.realtime_rate:
-                self.set_realtime_rate(1.0)
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
@@ -178,16 +149,15 @@ class AtlasSimulation:
         self._call_listeners("begin", self)
 
     def close(self) -> None:
-        """Completes the log, and tells the listeners; the run may continue.
+        """Tells the listeners, such as a log; the run may continue.
 
         Raises:
-            LogError: If the log cannot be completed, now or earlier in the run, whose
+            LogError: If a log cannot be completed, now or earlier in the run, whose
                 ``events`` then hold a warning.
         """
         # An error that ended the run occurs again in this look.
         with suppress(Exception):
             self._look()
-        self._run.close_log()
         self._call_listeners("close")
 
     def __enter__(self) -> AtlasSimulation:
@@ -400,8 +370,7 @@ class AtlasSimulation:
 
         Raises:
             InvalidMessageError: If the robot cannot begin with that behavior.
-            ScenarioError: If it cannot begin in that pose or with that seed, or while a
-                log or a video is written, which hold one run.
+            ScenarioError: If it cannot begin in that pose or with that seed.
             WorldError: If the robot would begin inside a model of the world.
         """
         # All is checked before anything changes.
@@ -442,8 +411,7 @@ class AtlasSimulation:
             scenario: Of the new run; it is copied.
 
         Raises:
-            ScenarioError: If a field cannot be used or needs a new simulation, or while
-                a log is written, which holds one run.
+            ScenarioError: If a field cannot be used or needs a new simulation.
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
@@ -455,15 +423,8 @@ class AtlasSimulation:
 
     def _begin_anew(self, scenario: Scenario) -> None:
         """Begins a run of a scenario that the diagram can take up."""
-        self._check_no_file("seed", scenario.seed)
         self._run.begin(scenario)
         self._note_begin()
-
-    def _check_no_file(self, field: str, value: object) -> None:
-        """Raises ScenarioError while a log is written."""
-        if self._run.writer is not None:
-            problem = "a log holds one run: close() completes it"
-            raise ScenarioError(field, value, problem)
 
     def snapshot(self) -> Snapshot:
         """Stores the present, for ``restore``.
@@ -491,18 +452,15 @@ class AtlasSimulation:
         Raises:
             TypeError: If ``snapshot`` is not a ``Snapshot``.
             ValueError: If it is that of another simulation.
-            ScenarioError: While a log is written, which holds one run.
         """
         if not isinstance(snapshot, Snapshot):
             raise TypeError(
                 f"restore takes what snapshot() returned, not {type(snapshot).__name__}"
             )
-        self._check_no_file("snapshot", snapshot.time)
         self._run.restore(snapshot.context, snapshot.scenario, snapshot.variation)
         self._log = snapshot.log.copy()
         self._wall_time = snapshot.wall_time
-        if self.meshcat is not None:
-            self.diagram.ForcedPublish(self.context)
+        self.diagram.ForcedPublish(self.context)
 
     def drop_schedule(self) -> None:
         """Sends nothing more of the scenario's schedule and messages."""
@@ -662,19 +620,33 @@ class AtlasSimulation:
 
     def _tell(self, events: Iterable[Event]) -> None:
         """Hands events on, once all of them are kept."""
-        for event in events:
-            self._call_listeners("event", event)
+        events = tuple(events)
+        for listener in tuple(self.listeners):
+            for event in events:
+                _call(listener, "event", event)
 
     def _call_listeners(self, name: str, *arguments: object) -> None:
         """Calls a method of each listener that has it."""
         for listener in tuple(self.listeners):
-            method = getattr(listener, name, None)
-            if method is not None:
-                method(*arguments)
+            _call(listener, name, *arguments)
 
 
-def _check_types(**arguments: tuple[object, Any]) -> None:
-    """Raises TypeError unless each argument is None or of its type."""
+def _call(listener: object, name: str, *arguments: object) -> None:
+    """Calls a method of a listener that has it."""
+    method = getattr(listener, name, None)
+    if method is not None:
+        method(*arguments)
+
+
+def check_types(**arguments: tuple[object, Any]) -> None:
+    """Checks types of arguments.
+
+    Args:
+        arguments: Value and type of each, by its name; None is of any type.
+
+    Raises:
+        TypeError: If a value is not of its type; it names the argument.
+    """
     for name, (value, kind) in arguments.items():
         if value is not None and not isinstance(value, kind):
             type_name = getattr(kind, "__name__", str(kind))

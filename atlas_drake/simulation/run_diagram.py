@@ -5,16 +5,12 @@ Events are collected in ``run_log``.
 
 from __future__ import annotations
 
-import weakref
 from array import array
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack, suppress
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from contextlib import suppress
+from typing import Any, TypeAlias
 
 import numpy as np
-from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import (
     ApplySimulatorConfig,
     InitializeParams,
@@ -27,11 +23,7 @@ from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import reset_station
 from atlas_drake.diagrams.contact import set_ground_friction
-from atlas_drake.diagrams.control_mode_switch import (
-    Extend,
-    additions,
-    make_control_mode_switch,
-)
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.errors import AtlasError
@@ -46,10 +38,7 @@ from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
-from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.logs.mcap_writer import McapWriter
+from atlas_drake.systems.record_reader import RecordListener
 
 CLEARANCE = 0.10
 """Height of the feet above the ground on the gantry [m]."""
@@ -67,7 +56,6 @@ class RunDiagram:
     Attributes:
         scenario: Scenario of the present run.
         variation: What the present run drew from its seed.
-        writer: Writes the log; None without one.
     """
 
     def __init__(
@@ -77,9 +65,6 @@ class RunDiagram:
         behaviors: Iterable[BehaviorEntry],
         world: Iterable[WorldMaker],
         extend: Extend | Iterable[Extend],
-        meshcat: Meshcat | None,
-        overlays: Overlays | None,
-        log: Path | None,
     ):
         """Builds the diagram as ``AtlasSimulation`` explains, and begins a run."""
         self.own_behaviors = registered(behaviors)
@@ -89,77 +74,28 @@ class RunDiagram:
         self.catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *self.own_behaviors))
         self.schedule = _schedule(scenario, self.robot, self.catalog)
         self.tick_seconds = array("d")
-        self.writer: McapWriter | None = None
-        # The modules for logs and views load only with a log or a view.
-        displays: list[Extend] = []
-        if meshcat is not None:
-            from atlas_drake.visualization.meshcat_view import add_meshcat_view
-
-            displays.append(
-                partial(
-                    add_meshcat_view,
-                    robot=self.robot,
-                    meshcat=meshcat,
-                    overlays=overlays,
-                )
-            )
-        with ExitStack() as on_error:
-            if log is not None:
-                from atlas_drake.logs.mcap_writer import McapWriter, add_log, header_of
-
-                header = header_of(scenario, self.robot, self.own_behaviors)
-                self.writer = McapWriter(log, header, scenario.log)
-                on_error.callback(self.writer.close)
-                displays.append(partial(add_log, writer=self.writer))
-            self.diagram = make_control_mode_switch(
-                self.robot,
-                scenario,
-                self.schedule,
-                controller=controller,
-                behaviors=self.own_behaviors,
-                world=world,
-                extend=[*displays, *additions(extend)],
-            )
-            self._terrain, self._models = scenario.all_terrain(), scenario.all_models()
-            self._has_world = bool(world or self._models)
-            self._trial: Context | None = None
-            self.station: Any = self.diagram.GetSubsystemByName("station")
-            self.plant: Any = self.station.GetSubsystemByName("plant")
-            for name in (CONTROLLER, "tick_recorder"):
-                system = self.station.GetSubsystemByName(name)
-                if hasattr(system, "tick_seconds"):
-                    system.tick_seconds = self.tick_seconds
-            self.simulator = Simulator(self.diagram)
-            ApplySimulatorConfig(scenario.simulator, self.simulator)
-            self.pace = Pace(self.simulator)
-            self.begin(scenario)
-            on_error.pop_all()
-        if self.writer is not None:
-            # Without ``close_log`` the file is completed when the simulation is freed
-            # or the program ends.
-            self._complete_log = weakref.finalize(self, self.writer.close)
-        if meshcat is not None:
-            from atlas_drake.visualization.scene import show_start
-
-            show_start(meshcat, scenario)
-
-    def _log_latest(self) -> None:
-        """Writes the latest record, which the next tick would write."""
-        listener: Any = self.diagram.GetSubsystemByName("log")
-        listener.flush(listener.GetMyContextFromRoot(self.context))
-
-    def close_log(self) -> None:
-        """Completes the log, with the latest record and the events after it."""
-        writer, self.writer = self.writer, None
-        if writer is None:
-            return
-        # What prevents a record has ended the run already, with its error.
-        with suppress(Exception):
-            self._log_latest()
-            recorder, context = self.part("tick_recorder")
-            for event in recorder.events_after_tick(context):
-                writer.event(event)
-        self._complete_log()
+        self.diagram = make_control_mode_switch(
+            self.robot,
+            scenario,
+            self.schedule,
+            controller=controller,
+            behaviors=self.own_behaviors,
+            world=world,
+            extend=extend,
+        )
+        self._terrain, self._models = scenario.all_terrain(), scenario.all_models()
+        self._has_world = bool(world or self._models)
+        self._trial: Context | None = None
+        self.station: Any = self.diagram.GetSubsystemByName("station")
+        self.plant: Any = self.station.GetSubsystemByName("plant")
+        for name in (CONTROLLER, "tick_recorder"):
+            system = self.station.GetSubsystemByName(name)
+            if hasattr(system, "tick_seconds"):
+                system.tick_seconds = self.tick_seconds
+        self.simulator = Simulator(self.diagram)
+        ApplySimulatorConfig(scenario.simulator, self.simulator)
+        self.pace = Pace(self.simulator)
+        self.begin(scenario)
 
     def part(self, name: str) -> tuple[Any, Context]:
         """Returns a system of the station, and its context."""
@@ -208,10 +144,11 @@ class RunDiagram:
         """
         moved = _moved(self.variation, pose)
         self._check_place(moved, start)
-        if self.writer is not None:
-            # A controller that failed gives no record, and is reset all the same.
-            with suppress(Exception):
-                self._log_latest()
+        for system in self.diagram.GetSystems():
+            if isinstance(system, RecordListener):
+                # A controller that failed gives no record, and is reset all the same.
+                with suppress(Exception):
+                    system.flush(system.GetMyContextFromRoot(self.context))
         put_world_back(self.plant, self.plant_context, self.robot)
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(moved, start)

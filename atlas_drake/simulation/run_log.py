@@ -14,7 +14,7 @@ from typing import Any
 
 from pydrake.systems.framework import Context
 
-from atlas_drake.errors import AtlasError, ScenarioError
+from atlas_drake.errors import ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import (
     FOOTSTEP,
@@ -82,7 +82,6 @@ class RunLog:
         self._published: frozenset[int] = frozenset()  # Messages since the last look.
         self._run, self._sent = run, 0
         self._marks: Sequence[float] = NO_MARKS
-        self._fault: AtlasError | None = None
 
     def copy(self) -> RunLog:
         """Returns a log that goes on by itself."""
@@ -135,10 +134,6 @@ class RunLog:
         self._note_done(events)
         fresh += (event for event in events if event.kind != MESSAGE)
         fresh.sort(key=lambda event: event.time)
-        if run.writer is not None and run.writer.fault is not self._fault:
-            self._fault = run.writer.fault
-            text = f"{self._fault}; the run continues without it"
-            fresh.append(RunEvent(run.context.get_time(), "warning", text))
         return self.note(*fresh)
 
     def drop_schedule(self) -> list[Event]:
@@ -165,10 +160,6 @@ class RunLog:
         ]
         self.events += kept
         self.footsteps += (event.data for event in kept if event.kind == FOOTSTEP)
-        for event in kept:
-            # The records hold all others.
-            if self._run.writer is not None and isinstance(event, RunEvent):
-                self._run.writer.event(event)
         return kept
 
     def fallen(self) -> bool:

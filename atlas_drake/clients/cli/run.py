@@ -17,6 +17,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from atlas_drake.behaviors.footsteps import is_elsewhere
+from atlas_drake.clients import session
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.film import film_run, log_for_film, with_logged_overlays
 from atlas_drake.clients.cli.interrupts import ctrl_c, nothing_cut_off
@@ -113,7 +114,7 @@ def run_scenario(
     meshcat = open_view(options, progress, cockpit)
     filmed = exit_status.OK
     with log_for_film(options) as log:
-        sim = AtlasSimulation(
+        sim = session.AtlasSimulation(
             scenario,
             view=meshcat,
             listeners=[progress],

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from pydrake.math import RigidTransform
 
+from atlas_drake.clients import session
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cli.outputs import quiet_logs, shown_of_log
@@ -53,7 +54,7 @@ def run_teleop(options: argparse.Namespace) -> int:
         arguments = load_parts(options.parts)
         if cockpit is not None:
             arguments |= {"view": cockpit.meshcat, "overlays": cockpit.overlays}
-        sim = AtlasSimulation(scenario, listeners=[progress], **arguments)
+        sim = session.AtlasSimulation(scenario, listeners=[progress], **arguments)
         if cockpit is not None:
             cockpit.join(sim)
         return sim

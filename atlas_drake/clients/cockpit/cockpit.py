@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.clients import session
 from atlas_drake.clients.cockpit.calls import call
 from atlas_drake.clients.cockpit.link import Link, start_process
 from atlas_drake.clients.cockpit.recording import Recording
@@ -256,7 +257,7 @@ def open_cockpit(
     """
     cockpit = Cockpit(overlays=overlays)
     view, overlays = cockpit.meshcat, cockpit.overlays
-    sim = AtlasSimulation(scenario, view=view, overlays=overlays, **arguments)
+    sim = session.AtlasSimulation(scenario, view=view, overlays=overlays, **arguments)
     cockpit.join(sim)
     await_viewer(cockpit)
     sim.set_realtime_rate(sim.realtime_rate or 1.0)

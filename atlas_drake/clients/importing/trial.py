@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from atlas_drake.behaviors.scaling import ATLAS
+from atlas_drake.clients import session
 from atlas_drake.clients.importing.files import write_controller
 from atlas_drake.clients.importing.gentler import find_gentler, what_bounds
 from atlas_drake.clients.importing.motions import (
@@ -129,7 +130,7 @@ def _first_trial(
 ) -> Trial:
     """Lets a robot stand for some time [s], walk and be pushed, with a log."""
     trial, began = Trial(), time.perf_counter()
-    with AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
+    with session.AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
         trial.speeds = str(fastest(gait))
@@ -170,7 +171,7 @@ def _try_strides(
     for share in STRIDES:
         if time.monotonic() > deadline:
             return
-        with AtlasSimulation(Scenario(model=str(model))) as sim:
+        with session.AtlasSimulation(Scenario(model=str(model))) as sim:
             longest = sim.scenario.controller_config().gait().longest_stride
             stride = min(share * trial.stride, longest)
             say(f"strides of {stride:.2f} m")
@@ -185,7 +186,7 @@ def _try_strides(
 def _try_pushes(
     model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
 ) -> None:
-    with AtlasSimulation(Scenario(model=str(model))) as sim:
+    with session.AtlasSimulation(Scenario(model=str(model))) as sim:
         advance(sim, SETTLES)
         standing, scale = sim.snapshot(), _scale(sim)
         open_ = dict(DIRECTIONS)
