@@ -16,10 +16,10 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
+    from atlas_drake.clients.film.film import film
+    from atlas_drake.clients.logs import Log, LogError, read_log
     from atlas_drake.clients.session import AtlasSimulation
-    from atlas_drake.diagrams.film import film
     from atlas_drake.diagrams.standing import place_robot
-    from atlas_drake.logs import Log, LogError, read_log
     from atlas_drake.messages.controller_status import (
         ControllerStatus,
         Plan,
@@ -64,17 +64,17 @@ _LAZY = {
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
     "Model": "atlas_drake.scenario",
-    "Log": "atlas_drake.logs",
-    "LogError": "atlas_drake.logs",
+    "Log": "atlas_drake.clients.logs",
+    "LogError": "atlas_drake.clients.logs",
     "TickRecord": "atlas_drake.records",
     "Scenario": "atlas_drake.scenario",
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
     "StepStream": "atlas_drake.planning.step_stream",
-    "film": "atlas_drake.diagrams.film",
+    "film": "atlas_drake.clients.film.film",
     "load_scenario": "atlas_drake.scenario",
     "place_robot": "atlas_drake.diagrams.standing",
-    "read_log": "atlas_drake.logs",
+    "read_log": "atlas_drake.clients.logs",
     "steps_ahead": "atlas_drake.planning.footstep_planner",
     "steps_along_arc": "atlas_drake.planning.footstep_planner",
     "steps_to": "atlas_drake.planning.footstep_planner",

@@ -20,7 +20,7 @@ from report import command_line, write_figures
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
 from atlas_drake.clients.cockpit.cockpit import SHOWN, Cockpit
-from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.clients.view.overlays import Overlays
 
 ROUNDS = 6
 BEFORE, WALK = 0.8, 5.0

@@ -19,10 +19,10 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Scenario, read_log
+from atlas_drake.clients.view.scene import prepare_scene
+from atlas_drake.clients.view.viewer import start_meshcat
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.robot import load_robot
-from atlas_drake.visualization.scene import prepare_scene
-from atlas_drake.visualization.viewer import start_meshcat
 
 PROGRAMS = Path(__file__).parents[1] / "examples" / "extending"
 SIZE, COLORS = (480, 320), 200

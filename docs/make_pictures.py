@@ -28,10 +28,10 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.clients.cli.main import main as atlas_drake
+from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.viewer import start_meshcat
 from atlas_drake.scenario.world_file import View
 from atlas_drake.simulation.parts_file import run_file
-from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import start_meshcat
 
 PAGES = ("films", "readme", "cockpit", "extending", "worlds", "robots")
 IMAGES = Path(__file__).parent / "images"

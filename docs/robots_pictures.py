@@ -14,11 +14,11 @@ import numpy as np
 from PIL import Image
 
 from atlas_drake import AtlasSimulation, Scenario, StepStream, steps_ahead
+from atlas_drake.clients.film.file import FilmFile
+from atlas_drake.clients.film.film import RATE, photograph
 from atlas_drake.clients.importing.report import FAR, robot_height
-from atlas_drake.diagrams.film import RATE, photograph
-from atlas_drake.logs import Log, read_log
+from atlas_drake.clients.logs import Log, read_log
 from atlas_drake.scenario.world_file import View
-from atlas_drake.visualization.film_file import FilmFile
 
 FILMED = ("talos", "g1", "icub", "jvrc")
 """Robots of the film; the picture has all."""

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 import atlas_drake
+from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,
     make_whole_body_controller,
 )
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
-from atlas_drake.visualization.overlays import Overlays
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = {name: getattr(atlas_drake, name) for name in atlas_drake.__all__}

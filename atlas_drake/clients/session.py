@@ -12,6 +12,7 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake import simulation
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.diagrams.control_mode_switch import Extend, additions
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import ScenarioError
@@ -21,11 +22,10 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.atlas_simulation import check_types
 from atlas_drake.simulation.run_log import Snapshot
-from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
-    from atlas_drake.logs.header import LogError
-    from atlas_drake.logs.recording import LogRecording
+    from atlas_drake.clients.logs.header import LogError
+    from atlas_drake.clients.logs.recording import LogRecording
 
 
 class AtlasSimulation(simulation.AtlasSimulation):
@@ -67,9 +67,9 @@ class AtlasSimulation(simulation.AtlasSimulation):
             listeners: As there; called after the log.
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
-                ``atlas_drake.visualization.viewer``. None and False show nothing.
+                ``atlas_drake.clients.view.viewer``. None and False show nothing.
             overlays: Plans of the controller that are shown there.
-            log: File NAME.mcap that records the run, see ``atlas_drake.logs``.
+            log: File NAME.mcap that records the run, see ``atlas_drake.clients.logs``.
 
         Raises:
             TypeError: If an argument is of the wrong type; it names the argument.
@@ -91,18 +91,18 @@ class AtlasSimulation(simulation.AtlasSimulation):
         heard: list[object] = []
         # The modules for views and logs load only with a view or a log.
         if view is True:
-            from atlas_drake.visualization.viewer import await_viewer, start_meshcat
+            from atlas_drake.clients.view.viewer import await_viewer, start_meshcat
 
             self.meshcat = start_meshcat()
         if self.meshcat is not None:
-            from atlas_drake.visualization.meshcat_view import add_meshcat_view
-            from atlas_drake.visualization.scene import show_start
+            from atlas_drake.clients.view.meshcat_view import add_meshcat_view
+            from atlas_drake.clients.view.scene import show_start
 
             robot = load_robot(scenario.model)
             shown = {"robot": robot, "meshcat": self.meshcat, "overlays": overlays}
             own.append(partial(add_meshcat_view, **shown))
         if log is not None:
-            from atlas_drake.logs.recording import LogRecording
+            from atlas_drake.clients.logs.recording import LogRecording
 
             self._recording = LogRecording(Path(log), scenario.log)
             own.append(self._recording.extend)

@@ -10,10 +10,10 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake.clients.view import FRAME_RATE
+from atlas_drake.clients.view.colors import COVER, GAMMA, PAINT
+from atlas_drake.clients.view.overlays import Overlays, overlays_from
 from atlas_drake.palette import BEHAVIOR, USER
-from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.colors import COVER, GAMMA, PAINT
-from atlas_drake.visualization.overlays import Overlays, overlays_from
 
 from .conftest import SIZE, picture
 

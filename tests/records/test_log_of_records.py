@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atlas_drake import read_log
+from atlas_drake.clients.logs.header import Header
+from atlas_drake.clients.logs.mcap_writer import McapWriter
 from atlas_drake.frozen import replace
-from atlas_drake.logs.header import Header
-from atlas_drake.logs.mcap_writer import McapWriter
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     Behavior,

@@ -11,10 +11,10 @@ from atlas_drake import (
     Scenario,
     steps_ahead,
 )
+from atlas_drake.clients.view.colors import painted
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import tutorial_schedule
-from atlas_drake.visualization.colors import painted
 
 
 @pytest.fixture(scope="module")

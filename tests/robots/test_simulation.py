@@ -15,9 +15,9 @@ from atlas_drake import (
 )
 from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.cockpit.describe import describe_run
-from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.clients.film.replay import make_replay
+from atlas_drake.clients.logs import LogError, read_log
 from atlas_drake.errors import ScenarioError
-from atlas_drake.logs import LogError, read_log
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.pilot import pilot_of

@@ -10,8 +10,8 @@ import pytest
 from pydrake.systems.framework import Diagram, LeafSystem
 
 from atlas_drake import AtlasSimulation, Scenario, Start
+from atlas_drake.clients.view.viewer import start_meshcat
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.viewer import start_meshcat
 
 
 def parts_of(diagram):
@@ -62,8 +62,8 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
 
 def test_every_system_of_this_package_can_be_freed():
     for name in (
-        "logs.log_player",
-        "visualization.meshcat_view",
+        "clients.logs.log_player",
+        "clients.view.meshcat_view",
     ):
         importlib.import_module(f"atlas_drake.{name}")
     ours = [

@@ -25,8 +25,8 @@ from atlas_drake import (
     load_scenario,
     read_log,
 )
+from atlas_drake.clients.film.replay import make_replay
 from atlas_drake.diagrams.atlas_station import make_atlas_station
-from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.scenario import Jitter
 from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.world import WorldError

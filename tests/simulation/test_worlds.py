@@ -16,7 +16,7 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.clients.cli.main import main
-from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.clients.film.replay import make_replay
 from atlas_drake.scenario.terrain import START_REACH
 from atlas_drake.scenario.world_file import available_worlds
 

@@ -18,7 +18,7 @@ import numpy as np
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from atlas_drake.logs.failure_modes import NONE, FailureWatch
+from atlas_drake.clients.logs.failure_modes import NONE, FailureWatch
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.planning.step_stream import StepStream

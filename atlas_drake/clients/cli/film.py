@@ -1,6 +1,6 @@
 """Films on the command line: of a log, and of a run by ``--video``.
 
-The film itself is ``atlas_drake.diagrams.film``; options are parsed in ``main``.
+The film itself is ``atlas_drake.clients.film.film``; options are parsed in ``main``.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cli.outputs import keep, quiet_logs, read_saying, shown_of_log
 from atlas_drake.clients.cli.progress import StatusLine
+from atlas_drake.clients.film.file import check_film
+from atlas_drake.clients.logs import Log, LogError, read_log
+from atlas_drake.clients.view.overlays import LOG_FIELDS
 from atlas_drake.errors import ScenarioError
-from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
-from atlas_drake.visualization.film_file import check_film
-from atlas_drake.visualization.overlays import LOG_FIELDS
 
 
 def film_log(options: argparse.Namespace) -> int:
@@ -87,7 +87,7 @@ def film_run(
 
 def _film(log: Log, path: Path, progress: StatusLine, **arguments: Any) -> int:
     """Films a log with progress; Ctrl-C keeps the pictures so far."""
-    from atlas_drake.diagrams.film import film
+    from atlas_drake.clients.film.film import film
 
     with ctrl_c() as asked_to_stop:
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.outputs import quiet_logs
 from atlas_drake.clients.cli.progress import StatusLine
+from atlas_drake.clients.film.file import FilmError
 from atlas_drake.errors import AtlasError
-from atlas_drake.visualization.film_file import FilmError
 
 if TYPE_CHECKING:
     from atlas_drake.clients.importing.findings import Findings

@@ -1,6 +1,6 @@
 """Logs on the command line: draw figures, export a table, watch or film a replay.
 
-Figures are in ``logs``, the replay in ``diagrams.replay``; options are parsed in
+Figures are in ``logs``, the replay in ``film.replay``; options are parsed in
 ``main``.
 """
 
@@ -31,12 +31,12 @@ from atlas_drake.clients.cli.outputs import (
 )
 from atlas_drake.clients.cli.progress import Progress, StatusLine
 from atlas_drake.clients.cli.run import PIECE
-from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.clients.film.replay import make_replay
+from atlas_drake.clients.logs import Log, LogError, read_log
+from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.viewer import interactive, keep_serving
 from atlas_drake.errors import did_you_mean
-from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.simulation.pace import Pace
-from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import interactive, keep_serving
 
 TABLES = (".parquet", ".csv", ".npz")
 """Endings of the files of ``export``; the first is the default."""
@@ -51,7 +51,7 @@ def plot_log(options: argparse.Namespace) -> int:
             progress.say(f"{name} [{unit or '-'}]")
         return exit_status.OK
     with _needs_extra("plot"):
-        from atlas_drake.logs.figures import SUFFIXES, draw_channels, draw_page
+        from atlas_drake.clients.logs.figures import SUFFIXES, draw_channels, draw_page
     file = _output(options, SUFFIXES)
     log = read_saying(options.log, progress)
     if options.channels is None:

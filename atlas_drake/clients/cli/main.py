@@ -28,8 +28,8 @@ from atlas_drake.clients.cli.options import (
     size,
 )
 from atlas_drake.clients.cli.sweep_options import add_sweep_commands
+from atlas_drake.clients.film import FILM_SIZE
 from atlas_drake.errors import AtlasError, printable
-from atlas_drake.visualization import FILM_SIZE
 
 _LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (

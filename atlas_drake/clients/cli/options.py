@@ -10,9 +10,9 @@ import math
 import re
 from pathlib import Path
 
+from atlas_drake.clients.film import FILM_SIZE
+from atlas_drake.clients.view.overlays import OVERLAYS, overlays_from
 from atlas_drake.errors import ScenarioError
-from atlas_drake.visualization import FILM_SIZE
-from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
 
 
 def add_robot_options(parser: argparse.ArgumentParser) -> None:

@@ -16,17 +16,17 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.clients.cli.progress import Progress, StatusLine
+from atlas_drake.clients.logs import Log, read_log
+from atlas_drake.clients.logs.mcap_writer import check_log_path
+from atlas_drake.clients.view import FRAME_RATE
+from atlas_drake.clients.view.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
+from atlas_drake.clients.view.viewer import Served, await_viewer, start_meshcat
 from atlas_drake.errors import AtlasError, ScenarioError
-from atlas_drake.logs import Log, read_log
-from atlas_drake.logs.mcap_writer import check_log_path
-from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.overlays import LOG_FIELDS, OVERLAYS, logged_overlays
-from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 
 if TYPE_CHECKING:
     from atlas_drake.clients.cockpit.cockpit import Cockpit
+    from atlas_drake.clients.view.overlays import Overlays
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.visualization.overlays import Overlays
 
 WEB_PAGES = (".html", ".htm")
 """Endings of a recording's name."""

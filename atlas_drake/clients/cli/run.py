@@ -33,15 +33,15 @@ from atlas_drake.clients.cli.outputs import (
     realtime_rate,
 )
 from atlas_drake.clients.cli.progress import Progress
+from atlas_drake.clients.film.file import check_film
+from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.viewer import interactive, keep_serving
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.parts_file import load_parts
 from atlas_drake.simulation.tutorial import DURATION
-from atlas_drake.visualization.film_file import check_film
-from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import interactive, keep_serving
 
 if TYPE_CHECKING:
     from atlas_drake.clients.cockpit.cockpit import Cockpit

@@ -32,12 +32,12 @@ from atlas_drake.clients.cli.outputs import (
     open_view,
 )
 from atlas_drake.clients.cli.progress import Progress, StatusLine, TrialProgress
+from atlas_drake.clients.film import FILM_SIZE
+from atlas_drake.clients.film.file import check_film
+from atlas_drake.clients.logs.mcap_writer import check_log_path
+from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.viewer import interactive, keep_serving
 from atlas_drake.errors import ScenarioError
-from atlas_drake.logs.mcap_writer import check_log_path
-from atlas_drake.visualization import FILM_SIZE
-from atlas_drake.visualization.film_file import check_film
-from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import interactive, keep_serving
 
 RESULTS = Path("results")
 """Folder of all campaigns whose folder is not named."""

@@ -25,11 +25,11 @@ from atlas_drake.clients.cockpit.wire import (
     Request,
     Run,
 )
+from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.viewer import await_viewer, start_meshcat
 from atlas_drake.errors import AtlasError
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
-from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import await_viewer, start_meshcat
 
 PERIOD = 0.1
 """Wall time between two frames [s]."""

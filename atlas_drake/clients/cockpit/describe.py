@@ -12,9 +12,10 @@ from pydrake.multibody.tree import Frame
 
 from atlas_drake.clients.cockpit.fields import param_fields
 from atlas_drake.clients.cockpit.frame import shown_event
+from atlas_drake.clients.logs import Log
+from atlas_drake.clients.view.overlays import OVERLAYS, logged_overlays
 from atlas_drake.config import fields_of
 from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
-from atlas_drake.logs import Log
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.joint_command import share_of
@@ -26,7 +27,6 @@ from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.tutorial import STEPS
 from atlas_drake.units import unit_of
-from atlas_drake.visualization.overlays import OVERLAYS, logged_overlays
 
 PELVIS = tuple(
     field.name for field in dataclasses.fields(AtlasBehaviorPelvisServoParams)

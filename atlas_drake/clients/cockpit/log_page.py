@@ -18,11 +18,11 @@ from atlas_drake.clients.cockpit.describe import describe_log, thinned
 from atlas_drake.clients.cockpit.frame import frame_json
 from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.wire import Frame, Run
+from atlas_drake.clients.logs.log import Log
+from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.errors import InvalidMessageError, did_you_mean
-from atlas_drake.logs.log import Log
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import share_of
-from atlas_drake.visualization.overlays import Overlays
 
 FASTEST_PLAY = 10.0
 """Multiple of real time at which a log is played as fast as can be."""

@@ -7,8 +7,8 @@ import re
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.errors import InvalidMessageError
-from atlas_drake.visualization import FRAME_RATE
 
 
 class Recording:

@@ -20,8 +20,9 @@ from atlas_drake.clients.cockpit.frame import events_after, frame_json
 from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.scenario_requests import NextRun, ScenarioRequests
 from atlas_drake.clients.cockpit.wire import Frame, Robot, Run, Settings
+from atlas_drake.clients.logs.failure_modes import FailureWatch
+from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.config import checked
-from atlas_drake.logs.failure_modes import FailureWatch
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.checks import check_vector
@@ -29,7 +30,6 @@ from atlas_drake.planning.joint_motion import JointFacts
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.pilot import reports_of
-from atlas_drake.visualization.overlays import Overlays
 
 LATELY = 2.0
 """Wall time over which the real-time factor is taken [s]."""

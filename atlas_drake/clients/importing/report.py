@@ -11,11 +11,11 @@ from pydrake.geometry import Role
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
+from atlas_drake.clients.film.film import photograph
 from atlas_drake.clients.importing.files import PICTURE, YAML
 from atlas_drake.clients.importing.findings import GUESSED, LOST, REPAIRED, Findings
 from atlas_drake.clients.importing.trial import NEAR_LIMIT, PUSH_DURATION, Trial
-from atlas_drake.diagrams.film import photograph
-from atlas_drake.logs import read_log
+from atlas_drake.clients.logs import read_log
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.world_file import View
 

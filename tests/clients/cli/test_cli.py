@@ -18,8 +18,8 @@ from atlas_drake.atomic_write import atomic_write, why_not_writable
 from atlas_drake.clients.cli import run as run_command
 from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.cli.run import AFTER_FALL, verdict
+from atlas_drake.clients.view.viewer import start_meshcat
 from atlas_drake.simulation.tutorial import DURATION
-from atlas_drake.visualization.viewer import start_meshcat
 
 from .conftest import animation_in
 

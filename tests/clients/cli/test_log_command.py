@@ -7,8 +7,8 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import AtlasSimulation, Scenario, read_log
 from atlas_drake.clients.cli import log as log_command
 from atlas_drake.clients.cli.main import main
-from atlas_drake.logs.header import Header
-from atlas_drake.logs.mcap_writer import McapWriter
+from atlas_drake.clients.logs.header import Header
+from atlas_drake.clients.logs.mcap_writer import McapWriter
 
 from .conftest import animation_in
 
@@ -129,7 +129,9 @@ def test_a_damaged_header_is_said_and_nothing_else_is_lost(log_file, tmp_path, c
 def test_a_missing_package_is_named_with_what_to_install(
     command, file, package, log_file, tmp_path, capsys, hide_package
 ):
-    hide_package(package, "atlas_drake.logs.figures", "atlas_drake.logs.drawing")
+    hide_package(
+        package, "atlas_drake.clients.logs.figures", "atlas_drake.clients.logs.drawing"
+    )
     file = tmp_path / file
     assert main([command, str(log_file), "--output", str(file)]) == 2
     (error,) = capsys.readouterr().err.splitlines()

@@ -9,7 +9,7 @@ from atlas_drake.clients.cockpit.calls import call
 from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.run_page import RunPage
 from atlas_drake.clients.cockpit.scenario_requests import NextRun
-from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.clients.view.overlays import Overlays
 
 
 class Asked:

@@ -12,7 +12,7 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.clients.cockpit.log_page import MOST_POINTS, LogPage
-from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.clients.view.overlays import Overlays
 
 from .conftest import Asked
 

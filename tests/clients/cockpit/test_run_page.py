@@ -14,8 +14,8 @@ from atlas_drake.clients.cockpit.cockpit import Cockpit
 from atlas_drake.clients.cockpit.recording import ANIMATION, MESSAGE
 from atlas_drake.clients.cockpit.run_page import why_refused
 from atlas_drake.clients.cockpit.wire import Answer, Frame, Request
+from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.errors import AtlasError
-from atlas_drake.visualization import FRAME_RATE
 
 FREEZE = {"atlas_sim_interface_command": {"behavior": "FREEZE"}}
 
