@@ -179,8 +179,8 @@ def runs(draw):
 def test_records_come_back_from_a_log(tmp_path_factory, run):
     schema, records = run
     path = tmp_path_factory.mktemp("records") / "records.mcap"
-    writer = McapWriter(path, Header({}))
-    writer.begin(schema)
+    writer = McapWriter(path)
+    writer.begin(Header({}), schema)
     for record in records:
         writer.record(record)
     writer.close()

@@ -79,9 +79,7 @@ class McapWriter:
         fault: Error that ended the writing; None if there was none.
     """
 
-    def __init__(
-        self, path: Path, header: Header, keep: LogContent | None = None
-    ) -> None:
+    def __init__(self, path: Path, keep: LogContent | None = None) -> None:
         """Checks that the file can be written; raises LogError if it cannot."""
         check_log_path(path)
         problem = why_not_writable(path)
@@ -90,15 +88,14 @@ class McapWriter:
         self.path = path
         self.keep = keep or LogContent()
         self.fault: LogError | None = None
-        self._header = header
-        self._schema: Schema | None = None
+        self._begun: tuple[Header, Schema] | None = None
         self._file: IO[bytes] | None = None
         self._early: list[Event] = []
         self._closed = False
 
-    def begin(self, schema: Schema) -> None:
-        """Takes the schema of the records that will come."""
-        self._schema = schema
+    def begin(self, header: Header, schema: Schema) -> None:
+        """Takes the header, and the schema of the records that will come."""
+        self._begun = header, schema
 
     def record(self, record: TickRecord) -> None:
         """Writes a record, unless the file is closed or could not be written."""
@@ -149,12 +146,13 @@ class McapWriter:
 
     def _open(self) -> None:
         """Empties the file and describes all topics."""
-        assert self._schema is not None
+        assert self._begun is not None
+        header, self._schema = self._begun
         self._file = self.path.open("wb")
         self._writer = Writer(self._file, compression=CompressionType.ZSTD)
         self._writer.start(library="atlas_drake")
-        header = self._header.to_json(self._schema)
-        self._writer.add_metadata(METADATA, {HEADER: header})
+        text = header.to_json(self._schema)
+        self._writer.add_metadata(METADATA, {HEADER: text})
         self._channels: dict[str, int] = {}
         for topic, name, schema in json_schemas(self._schema):
             key = self._writer.register_schema(name, "jsonschema", orjson.dumps(schema))
@@ -170,7 +168,6 @@ class McapWriter:
 
     def _write(self, record: TickRecord) -> None:
         schema, time = self._schema, record.time
-        assert schema is not None
         plain = {
             name: schema.plain(name, getattr(record, name)) for name in schema.groups
         }

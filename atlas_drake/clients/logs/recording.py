@@ -9,18 +9,20 @@ from typing import Any
 
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.atomic_write import why_not_writable
 from atlas_drake.clients.logs.header import LogError
-from atlas_drake.clients.logs.mcap_writer import McapWriter, check_log_path, header_of
+from atlas_drake.clients.logs.mcap_writer import McapWriter, header_of
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.event import Event, RunEvent
-from atlas_drake.records import TickRecord
 from atlas_drake.scenario.scenario import LogContent
 from atlas_drake.systems.record_reader import RecordListener, add_listener
 
 
 class LogRecording:
-    """Writes the log of a simulation's first run; later runs are not recorded."""
+    """Writes the log of a simulation's first run; later runs are not recorded.
+
+    Attributes:
+        is_open: True until the log is completed.
+    """
 
     def __init__(self, path: Path, keep: LogContent) -> None:
         """Checks that the file can be written; raises LogError if it cannot.
@@ -29,45 +31,34 @@ class LogRecording:
             path: Of the file, ``NAME.mcap``.
             keep: What the log holds beside the numbers of every tick.
         """
-        check_log_path(path)
-        problem = why_not_writable(path)
-        if problem is not None:
-            raise LogError(problem)
-        self._path, self._keep = path, keep
-        self._writer: McapWriter | None = None
-        self._closed = False
-
-    @property
-    def is_open(self) -> bool:
-        """True until the log is completed."""
-        return not self._closed
+        self._writer = McapWriter(path, keep)
+        self.is_open = True
 
     @property
     def fault(self) -> LogError | None:
         """Error that ended the writing; None if there was none."""
-        return None if self._writer is None else self._writer.fault
+        return self._writer.fault
 
     def extend(self, builder: DiagramBuilder, station: Any) -> None:
         """Adds what hands records to the log to a diagram with an AtlasStation."""
-        keep = self._keep
+        keep = self._writer.keep
         self._source: RecordListener = add_listener(
             builder,
             station,
             "log",
-            self._record,
+            self._writer.record,
             paths=keep.paths,
             contacts=keep.contacts,
         )
 
     def begin(self, sim: Any) -> None:
         """Begins the log of the run that begins."""
-        if self._closed:
+        if not self.is_open:
             return
         shipped = {one.name for one in SHIPPED}
         own = [one for one in sim.behaviors if one.name not in shipped]
         header = header_of(sim.scenario, sim.robot, own)
-        self._writer = McapWriter(self._path, header, self._keep)
-        self._writer.begin(sim.schema)
+        self._writer.begin(header, sim.schema)
         self._sim = weakref.ref(sim)
         # Without ``close`` the file is completed when the simulation is freed or the
         # program ends.
@@ -75,7 +66,7 @@ class LogRecording:
 
     def event(self, event: Event) -> None:
         """Writes an event of the run; the records hold all others."""
-        if self._writer is not None and isinstance(event, RunEvent):
+        if isinstance(event, RunEvent):
             self._writer.event(event)
 
     def close(self) -> None:
@@ -84,10 +75,10 @@ class LogRecording:
         Raises:
             LogError: If it cannot be written, now or earlier.
         """
-        sim, writer = self._sim(), self._writer
-        if self._closed or sim is None or writer is None:
+        sim = self._sim()
+        if not self.is_open or sim is None:
             return
-        self._closed = True
+        self.is_open = False
         # What prevents a record has ended the run already, with its error.
         with suppress(Exception):
             source, context = self._source, sim.context
@@ -95,9 +86,5 @@ class LogRecording:
             recorder = sim.station.GetSubsystemByName("tick_recorder")
             of_recorder = recorder.GetMyMutableContextFromRoot(context)
             for event in recorder.events_after_tick(of_recorder):
-                writer.event(event)
+                self._writer.event(event)
         self._complete()
-
-    def _record(self, record: TickRecord) -> None:
-        if self._writer is not None:
-            self._writer.record(record)

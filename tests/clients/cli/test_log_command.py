@@ -101,8 +101,8 @@ def test_arguments_that_cannot_be_used_are_named_in_one_line(
 
 def test_a_damaged_header_is_said_and_nothing_else_is_lost(log_file, tmp_path, capsys):
     log, damaged = read_log(log_file), tmp_path / "damaged.mcap"
-    writer = McapWriter(damaged, Header({**log.header.given, "model": 7}))
-    writer.begin(log.schema)
+    writer = McapWriter(damaged)
+    writer.begin(Header({**log.header.given, "model": 7}), log.schema)
     for record in log.records():
         writer.record(record)
     writer.close()

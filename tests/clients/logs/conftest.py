@@ -98,8 +98,8 @@ def log(recorded):
 @pytest.fixture
 def writer(log, tmp_path):
     """Writes another file with the schema of the log."""
-    writer = McapWriter(tmp_path / "other.mcap", log.header)
-    writer.begin(log.schema)
+    writer = McapWriter(tmp_path / "other.mcap")
+    writer.begin(log.header, log.schema)
     return writer
 
 

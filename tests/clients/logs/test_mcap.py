@@ -162,7 +162,7 @@ def test_a_file_that_is_no_log_is_refused(content, tmp_path):
 
 
 def test_a_file_with_another_ending_is_named(log, tmp_path):
-    for act in (read_log, lambda path: McapWriter(path, log.header)):
+    for act in (read_log, McapWriter):
         for name in ("run.npz", "run.macp"):
             with pytest.raises(LogError, match=rf"{name}: .*\.mcap"):
                 act(tmp_path / name)
@@ -298,7 +298,7 @@ def test_what_never_ran_leaves_an_earlier_file(log, tmp_path):
     path = tmp_path / "run.mcap"
     path.write_text("before")
     for name in ("run.mcap", "new.mcap"):
-        writer = McapWriter(tmp_path / name, log.header)
+        writer = McapWriter(tmp_path / name)
         writer.event(RunEvent(0.0, "start", "nothing comes of it"))
         writer.close()
         with pytest.raises(ZeroDivisionError):
