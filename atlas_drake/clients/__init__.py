@@ -1,1 +1,1 @@
-"""What people do with a simulation: each folder imports the spine's face only."""
+"""What people do with a simulation: a folder each, on the face of the spine."""

@@ -123,17 +123,9 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_types(
-            scenario=(scenario, Scenario),
-            listeners=(listeners, Iterable),
-        )
-        self._run = RunDiagram(
-            scenario or Scenario(),
-            controller,
-            behaviors,
-            world,
-            extend,
-        )
+        check_types(scenario=(scenario, Scenario), listeners=(listeners, Iterable))
+        scenario = scenario or Scenario()
+        self._run = RunDiagram(scenario, controller, behaviors, world, extend)
         self.behaviors, self.listeners = self._run.catalog, list(listeners)
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
