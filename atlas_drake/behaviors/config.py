@@ -24,7 +24,7 @@ from atlas_drake.behaviors.body_sway import BodySway
 from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
-from atlas_drake.behaviors.leg_ranges import within_ranges
+from atlas_drake.behaviors.leg_ranges import stance_clearing, within_ranges
 from atlas_drake.behaviors.manipulate.manipulate import ManipulateConfig
 from atlas_drake.behaviors.scaling import feet_fitting, scaled
 from atlas_drake.behaviors.stand.stand import StandConfig
@@ -85,9 +85,14 @@ class ControllerConfig(Configuration):
         if robot is not None:
             atlas = read_robot_file(DEFAULT_ROBOT).controller
             config = config.with_values(atlas).scaled(robot.size)
-            walk, drop = config.walk, config.stance.com_drop
-            limits = within_ranges(walk.limits, robot, drop)
-            config = replace(config, walk=replace(walk, limits=limits))
+            walk, stance = config.walk, config.stance
+            width = stance_clearing(stance.width, walk.limits, robot)
+            limits = within_ranges(walk.limits, robot, width, stance.com_drop)
+            config = replace(
+                config,
+                stance=replace(stance, width=width),
+                walk=replace(walk, limits=limits),
+            )
         return config.with_values(file.controller, behaviors)
 
     def scaled(self, size: Size) -> "ControllerConfig":

@@ -1,8 +1,10 @@
-"""Limits of a walk's steps that a robot's leg joints allow: by ranges, and by knees.
+"""Limits of a walk's steps that a robot's legs allow: by ranges, shapes and knees.
 
 Both soles are flat while the weight goes from one foot to the other, and the pelvis is
 between them: a step that takes an ankle to its end stop then is too large. Ahead the
-trailing heel rises, so that the ankles do not bound a step. A knee with less torque for
+trailing heel rises, so that the ankles do not bound a step. Where a foot passes the
+other leg, their shapes stay apart, as in TALOS, whose shanks are as wide as its feet. A
+knee with less torque for
 the robot's weight and height than Atlas' carries it through shorter strides.
 """
 
@@ -13,6 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from atlas_drake.behaviors.leg_clearance import leg_clearance, pelvis_to_feet
 from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.feet.step_limits import StepLimits
@@ -32,38 +35,55 @@ MARGIN = 0.02
 KNEE = 0.264
 """Torque of Atlas' knees, over weight times height of the center of mass [-]."""
 _HALVINGS = 8
-"""Halvings of the range between a small step and one that is too large."""
+"""Halvings of the range between a step that is possible and one that is not."""
+
+
+def stance_clearing(width: float, limits: StepLimits, robot: Robot) -> float:
+    """Returns the distance of feet side by side at which one of them may turn [m].
+
+    Args:
+        width: Distance that the robot would have otherwise [m].
+        limits: Of one step.
+        robot: The shapes of its legs stay apart.
+    """
+    clears = leg_clearance(robot)
+    return _nearest(
+        limits.width.greatest, width, lambda far: clears(far, -limits.toe_in)
+    )
 
 
 @functools.lru_cache(maxsize=8)
-def within_ranges(limits: StepLimits, robot: Robot, com_drop: float) -> StepLimits:
+def within_ranges(
+    limits: StepLimits, robot: Robot, width: float, com_drop: float
+) -> StepLimits:
     """Returns the limits, reduced to what both legs reach with flat soles, and carry.
 
     Cached, because each configuration of a robot needs them.
 
     Args:
         limits: Of one step.
-        robot: Its joints bound the steps.
+        robot: Its joints, knees and shapes bound the steps.
+        width: Distance of feet side by side [m].
         com_drop: Lowering of the center of mass below the stand-prep pose [m].
     """
-    reach = _Reach(robot, com_drop)
+    reach, clears = _Reach(robot, com_drop), leg_clearance(robot)
     # A robot sinks in a long step as in a wide one: the knees carry more.
-    width, carried = robot.stance_width, min(knee_strength(robot) / KNEE, 1.0)
+    carried = min(knee_strength(robot) / KNEE, 1.0)
+    widest = _nearest(width, limits.width.greatest, lambda far: reach(aside=far))
     return replace(
         limits,
         width=LeastGreatest(
-            limits.width.least,
-            max(
-                width,
-                carried
-                * _largest(width, limits.width.greatest, lambda far: reach(aside=far)),
-            ),
+            _nearest(width, limits.width.least, clears), max(width, carried * widest)
         ),
         forward=carried * limits.forward,
         backward=carried
-        * _largest(0.0, limits.backward, lambda far: reach(-far, width)),
-        toe_out=_largest(0.0, limits.toe_out, lambda turn: reach(0.0, width, turn)),
-        toe_in=_largest(0.0, limits.toe_in, lambda turn: reach(0.0, width, -turn)),
+        * _nearest(0.0, limits.backward, lambda far: reach(-far, width)),
+        toe_out=_nearest(
+            0.0,
+            limits.toe_out,
+            lambda turn: reach(0.0, width, turn) and clears(width, turn),
+        ),
+        toe_in=_nearest(0.0, limits.toe_in, lambda turn: reach(0.0, width, -turn)),
     )
 
 
@@ -74,32 +94,24 @@ def knee_strength(robot: Robot) -> float:
     return float(robot.effort_limit[knees].min()) / moment
 
 
-def _largest(small: float, large: float, reached: Callable[[float], bool]) -> float:
-    """Returns the largest value that is reached, from ``small`` to ``large``."""
-    if reached(large):
-        return large
+def _nearest(allowed: float, limit: float, reached: Callable[[float], bool]) -> float:
+    """Returns the value nearest to ``limit`` that is reached, as ``allowed`` is."""
+    if reached(limit):
+        return limit
     for _ in range(_HALVINGS):
-        middle = 0.5 * (small + large)
+        middle = 0.5 * (allowed + limit)
         if reached(middle):
-            small = middle
+            allowed = middle
         else:
-            large = middle
-    return small
+            limit = middle
+    return allowed
 
 
 class _Reach:
     """Whether both legs reach their soles in a step, whatever foot takes it."""
 
     def __init__(self, robot: Robot, com_drop: float):
-        plant, context = robot.plant, robot.standing_context()
-        pelvis = plant.GetFrameByName(robot.file.pelvis)
-        soles = [
-            plant.GetFrameByName(foot.sole_frame).CalcPose(context, pelvis)
-            for foot in robot.file.feet
-        ]
-        ahead, _, below = np.mean([X_PF.translation() for X_PF in soles], axis=0)
-        # From the pelvis to the middle of both soles in the lowered stand-prep pose.
-        self._p_PM = np.array([ahead, 0.0, below + com_drop])
+        self._p_PM = pelvis_to_feet(robot) + np.array([0.0, 0.0, com_drop])
         self._legs = [
             (
                 leg_solver(leg),

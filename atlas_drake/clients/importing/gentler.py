@@ -19,12 +19,10 @@ import lxml.etree as etree
 import numpy as np
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.scaling import CLEARANCE, feet_fitting
 from atlas_drake.clients.importing.files import MESHES, URDF
 from atlas_drake.clients.importing.motions import SETTLES, advance, walk
 from atlas_drake.config import overlaid
-from atlas_drake.frozen import replace
-from atlas_drake.robot import Size, load_robot
+from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
@@ -119,7 +117,7 @@ def find_gentler(
     deadline = time.monotonic() + LONGEST
     config = Scenario(model=str(model)).controller_config()
     failed: list[str] = []
-    for words, values in gentler_gaits(config, load_robot(model).size):
+    for words, values in gentler_gaits(config):
         if time.monotonic() > deadline:
             break
         say(f"{words} steps")
@@ -129,9 +127,7 @@ def find_gentler(
     return "", {}, failed
 
 
-def gentler_gaits(
-    config: ControllerConfig, size: Size
-) -> Iterator[tuple[str, dict[str, Any]]]:
+def gentler_gaits(config: ControllerConfig) -> Iterator[tuple[str, dict[str, Any]]]:
     """Makes gentler gaits, in words and as values, the nearest to the usual one first.
 
     One that falls short of a limit has the value at the limit.
@@ -142,16 +138,14 @@ def gentler_gaits(
         for share in (SMALLER, SMALLEST)
     )
     duration = usual.nearest(duration=_round(SLOWER * usual.duration)).duration
-    apart = size.sole_width + CLEARANCE * size.height
-    width = _round(max(NARROWER * config.stance.width, apart))
-    limits = feet_fitting(config.walk.limits.width, replace(size, stance_width=width))
+    least = config.walk.limits.width.least
+    width = _round(max(NARROWER * config.stance.width, least))
     ways: dict[str, dict[str, Any]] = {
         "smaller": {"walk": {"steps": {"stride": stride}}},
         "slower": {"walk": {"steps": {"duration": duration}}},
     }
     if width < config.stance.width:
-        narrow = {"width": [_round(limits.least), _round(limits.greatest)]}
-        ways["narrower"] = {"stance": {"width": width}, "walk": {"limits": narrow}}
+        ways["narrower"] = {"stance": {"width": width}}
     for number in range(1, len(ways) + 1):
         for names in combinations(ways, number):
             yield ", ".join(names), reduce(overlaid, map(ways.__getitem__, names))

@@ -30,10 +30,10 @@ from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
 from atlas_drake.units import GRAVITY
 
-FLEXION, LEAST_FLEXION = 0.7, 0.5
+FLEXION, LEAST_FLEXION = 0.7, 0.35
 """Flexion of the knees in the pose; the least with which the controller can stand
 [rad]."""
-KNEE_SHARE = 0.5
+KNEE_SHARE = 0.4
 """Share of its effort limit that a knee may need to stand on one leg [-]: a weak one is
 bent less, down to ``LEAST_FLEXION``, and has the rest to walk with."""
 STANCE_SHARE = 0.256

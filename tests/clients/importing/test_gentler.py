@@ -17,7 +17,7 @@ from .replaced import limits
 def test_gentler_gaits_are_the_robots_own_and_go_into_its_file(imported):
     robot, _ = imported()
     usual = Scenario(model=str(robot.path)).controller_config()
-    gaits = dict(gentler_gaits(usual, robot.size))
+    gaits = dict(gentler_gaits(usual))
     assert len(gaits) == 8
     for words, values in gaits.items():
         made = usual.with_values(values)

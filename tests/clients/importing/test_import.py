@@ -1,5 +1,6 @@
 """``atlas-drake import``: limbs found, files repaired, files refused."""
 
+import math
 import re
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,6 +21,9 @@ from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.units import GRAVITY
+
+from .replaced import limits
 
 HERON = Path(__file__).parents[2] / "robots" / "heron" / "heron.yaml"
 
@@ -329,6 +333,17 @@ def test_the_zero_pose_may_have_bent_knees(imported):
     ))  # fmt: skip
     flexions = [leg.flexion(robot.stand_prep[leg.knee]) for leg in robot.legs]
     assert flexions == pytest.approx([0.7, 0.7], abs=0.01)
+
+
+def test_a_weak_knee_is_bent_less(imported):
+    weak = limits(r"\w+_knee", 'lower="0" upper="2.3" effort="80" velocity="12"')
+    robot, _ = imported(weak)
+    for leg in robot.legs:
+        flexion = leg.flexion(robot.stand_prep[leg.knee])
+        assert 0.35 < flexion < 0.6
+        # Standing on one leg takes the same share of any weak knee's torque.
+        lever = leg.thigh_length * math.sin(0.5 * flexion)
+        assert lever * robot.mass * GRAVITY == pytest.approx(0.4 * 80, rel=0.02)
 
 
 def test_an_import_keeps_what_people_edited(imported):
