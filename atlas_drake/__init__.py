@@ -49,8 +49,8 @@ if TYPE_CHECKING:
         Start,
         load_scenario,
     )
-    from atlas_drake.scenario.terrain import Block
     from atlas_drake.simulation import SimulationError
+    from atlas_drake.worlds.terrain import Block
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.clients.session",
@@ -60,7 +60,7 @@ _LAZY = {
     "PlannedPaths": "atlas_drake.messages.controller_status",
     "PlannedPush": "atlas_drake.scenario",
     "Footstep": "atlas_drake.messages.footstep",
-    "Block": "atlas_drake.scenario.terrain",
+    "Block": "atlas_drake.worlds.terrain",
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
     "Model": "atlas_drake.scenario",

@@ -39,15 +39,6 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.models import world_of
-from atlas_drake.scenario.noise import noise_model
-from atlas_drake.scenario.world import (
-    WorldError,
-    WorldMaker,
-    add_world,
-    listed,
-    world_instances,
-)
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.fall_monitor import FallMonitor
@@ -58,9 +49,18 @@ from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import EstimationError, RunStatistics
+from atlas_drake.systems.sensor_noise import noise_model
 from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
+from atlas_drake.worlds.models import world_of
+from atlas_drake.worlds.world import (
+    WorldError,
+    WorldMaker,
+    add_world,
+    listed,
+    world_instances,
+)
 
 CONTROLLER_INPUTS = (
     "state",
@@ -138,7 +138,7 @@ def make_atlas_station(
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
         behaviors: Added to the shipped behaviors of ``WholeBodyController``.
         world: Callables (plant) -> None that add models beside the robot and those of
-            the scenario; see ``atlas_drake.scenario.world``.
+            the scenario; see ``atlas_drake.worlds.world``.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a

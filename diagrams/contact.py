@@ -25,7 +25,7 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
+from atlas_drake.worlds.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
 
 GROUND = "ground"
 """Name of the level ground's geometry."""

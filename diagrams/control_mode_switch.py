@@ -16,8 +16,8 @@ from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
+from atlas_drake.worlds.world import WorldMaker
 
 Extend = Callable[[DiagramBuilder, Diagram], None]
 """Adds systems to a diagram that holds a station, before it is built."""

@@ -18,8 +18,8 @@ from pydrake.systems.framework import Context
 from atlas_drake.diagrams.contact import GROUND, block_name
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.terrain import Block, surface_height
-from atlas_drake.scenario.world import Overlap, WorldError, overlaps_with_world
+from atlas_drake.worlds.terrain import Block, surface_height
+from atlas_drake.worlds.world import Overlap, WorldError, overlaps_with_world
 
 TOUCHING = 1e-5
 """Overlap of a foot and a model below which the foot stands on the model [m]."""

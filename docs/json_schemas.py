@@ -17,7 +17,7 @@ from atlas_drake.clients.campaigns.campaign import Campaign
 from atlas_drake.config import Configuration
 from atlas_drake.robot import RobotFile
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.world_file import World
+from atlas_drake.worlds.world_file import World
 
 FILES: dict[str, type] = {
     "scenario": Scenario,

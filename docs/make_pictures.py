@@ -30,8 +30,8 @@ from atlas_drake import (
 from atlas_drake.clients.cli.main import main as atlas_drake
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.viewer import start_meshcat
-from atlas_drake.scenario.world_file import View
 from atlas_drake.simulation.parts_file import run_file
+from atlas_drake.worlds.world_file import View
 
 PAGES = ("films", "readme", "cockpit", "extending", "worlds", "robots")
 IMAGES = Path(__file__).parent / "images"

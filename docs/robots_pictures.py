@@ -18,7 +18,7 @@ from atlas_drake.clients.film.file import FilmFile
 from atlas_drake.clients.film.film import RATE, photograph
 from atlas_drake.clients.importing.report import FAR, robot_height
 from atlas_drake.clients.logs import Log, read_log
-from atlas_drake.scenario.world_file import View
+from atlas_drake.worlds.world_file import View
 
 FILMED = ("talos", "g1", "icub", "jvrc")
 """Robots of the film; the picture has all."""

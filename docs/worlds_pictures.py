@@ -11,7 +11,7 @@ from extending_pictures import shrink
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.clients.view.viewer import start_meshcat
-from atlas_drake.scenario.world_file import available_worlds
+from atlas_drake.worlds.world_file import available_worlds
 
 ABOVE = np.array([2.5, -19.0, 20.0]), np.array([9.5, 2.0, 0.0])
 """Lens and target of the view of the tutorial's whole world, in W [m]."""

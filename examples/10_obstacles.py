@@ -17,8 +17,8 @@ from atlas_drake import (
     StepStream,
     Vector3,
 )
-from atlas_drake.scenario.terrain import Block, surface_height
-from atlas_drake.scenario.world_file import World
+from atlas_drake.worlds.terrain import Block, surface_height
+from atlas_drake.worlds.world_file import World
 
 HALF_WIDTH = 0.13
 """Of each foot from the middle [m]."""

@@ -30,8 +30,8 @@ from atlas_drake.config import (
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
-from atlas_drake.scenario.world_file import World, load_world
 from atlas_drake.units import Meters, unit_of
+from atlas_drake.worlds.world_file import World, load_world
 
 LEAVES = (
     st.none()

@@ -24,7 +24,7 @@ from atlas_drake import (
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.worlds.terrain import Block
 
 pytestmark = pytest.mark.slow
 

@@ -19,9 +19,9 @@ from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import RunEvent
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.atlas_simulation import check_types
 from atlas_drake.simulation.run_log import Snapshot
+from atlas_drake.worlds.world import WorldMaker
 
 if TYPE_CHECKING:
     from atlas_drake.clients.logs.header import LogError

@@ -3,8 +3,6 @@
 The simulation is in ``simulation``.
 """
 
-from atlas_drake.scenario.models import Model
-from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.reading import (
     load_scenario,
     scenario_from,
@@ -12,6 +10,8 @@ from atlas_drake.scenario.reading import (
     with_values,
 )
 from atlas_drake.scenario.scenario import Jitter, Scenario, Start
+from atlas_drake.systems.pushes import PlannedPush
+from atlas_drake.worlds.models import Model
 
 __all__ = [
     "Jitter",

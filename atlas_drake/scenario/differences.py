@@ -11,7 +11,7 @@ from atlas_drake.config import as_plain, joined
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.physics import nominal_period
 from atlas_drake.scenario.scenario import Scenario
-from atlas_drake.scenario.world_file import load_world
+from atlas_drake.worlds.world_file import load_world
 
 OF_A_RUN = (
     "name",

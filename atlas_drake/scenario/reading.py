@@ -15,7 +15,7 @@ from typing import Any
 from atlas_drake.config import as_plain, checked, read_fields, read_file, read_yaml
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.scenario import Scenario
-from atlas_drake.scenario.world_file import with_full_paths, world_from
+from atlas_drake.worlds.world_file import with_full_paths, world_from
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 

@@ -41,8 +41,6 @@ from atlas_drake.robot import (
     read_robot_file,
     robot_to_scale_by,
 )
-from atlas_drake.scenario.models import Model
-from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.physics import (
     check_simulator_config,
     checked_plant_config,
@@ -51,20 +49,19 @@ from atlas_drake.scenario.physics import (
     on_common_grid,
     plant_config,
 )
-from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.terrain import START_REACH, Block, Place
 from atlas_drake.scenario.timed_message import TimedMessage
-from atlas_drake.scenario.world_file import World, world_from
+from atlas_drake.systems.gantry import GantryGains
+from atlas_drake.systems.pushes import PlannedPush
+from atlas_drake.systems.sensor_noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.units import (
     Meters,
-    MetersPerSecond,
-    NewtonMeterSecondsPerRadian,
-    NewtonMetersPerRadian,
     Radians,
-    RadiansPerSecond,
     Ratio,
     Seconds,
 )
+from atlas_drake.worlds.models import Model
+from atlas_drake.worlds.terrain import START_REACH, Block, Place
+from atlas_drake.worlds.world_file import World, world_from
 
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.0045
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
@@ -128,24 +125,6 @@ class Start(Configuration):
                 behavior.name,
                 "must be USER or FREEZE on a gantry: other behaviors need the ground",
             )
-
-
-@dataclass(frozen=True)
-class GantryGains(Configuration):
-    """Gains that hold the robot; the defaults are stable at every physics step."""
-
-    natural_frequency: Positive[RadiansPerSecond] = 12.0
-    """Natural frequency of the robot's mass on the gantry."""
-    damping_ratio: NotNegative[Ratio] = 1.0
-    """Damping ratio of the robot's mass on the gantry."""
-    rotational_stiffness: NotNegative[NewtonMetersPerRadian] = 4000.0
-    """Rotational stiffness at the pelvis."""
-    rotational_damping: NotNegative[NewtonMeterSecondsPerRadian] = 300.0
-    """Rotational damping at the pelvis."""
-    lowering_speed: Positive[MetersPerSecond] = 0.10
-    """Speed at which a released robot is lowered."""
-    fading_time: Positive[Seconds] = 1.0
-    """Time in which the gantry transfers its load to the legs after lowering."""
 
 
 @dataclass(frozen=True)

@@ -44,12 +44,12 @@ from atlas_drake.records import Schema, TickRecord
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.scenario.scenario import Seed
-from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import Beginning, Done, RunLog, Snapshot
 from atlas_drake.simulation.start import start_of_reset
 from atlas_drake.simulation.summary import make_summary
+from atlas_drake.worlds.world import WorldMaker
 
 CHUNK = 0.02
 """Simulated time between two calls of the hooks [s]."""

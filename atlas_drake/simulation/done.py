@@ -18,8 +18,8 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.event import MESSAGE, PUSH, Event
 from atlas_drake.records.plain import to_plain
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.timed_message import TimedMessage
+from atlas_drake.systems.pushes import PlannedPush
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

@@ -32,13 +32,13 @@ from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.models import set_velocities
-from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.record_reader import RecordListener
+from atlas_drake.worlds.models import set_velocities
+from atlas_drake.worlds.world import WorldMaker, listed, put_world_back
 
 CLEARANCE = 0.10
 """Height of the feet above the ground on the gantry [m]."""

@@ -16,14 +16,40 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
 from pydrake.systems.framework import Context
 
+from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.joints.blend import limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_error
-from atlas_drake.scenario.scenario import GantryGains
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.units import GRAVITY
+from atlas_drake.units import (
+    GRAVITY,
+    MetersPerSecond,
+    NewtonMeterSecondsPerRadian,
+    NewtonMetersPerRadian,
+    RadiansPerSecond,
+    Ratio,
+    Seconds,
+)
+
+
+@dataclass(frozen=True)
+class GantryGains(Configuration):
+    """Gains that hold the robot; the defaults are stable at every physics step."""
+
+    natural_frequency: Positive[RadiansPerSecond] = 12.0
+    """Natural frequency of the robot's mass on the gantry."""
+    damping_ratio: NotNegative[Ratio] = 1.0
+    """Damping ratio of the robot's mass on the gantry."""
+    rotational_stiffness: NotNegative[NewtonMetersPerRadian] = 4000.0
+    """Rotational stiffness at the pelvis."""
+    rotational_damping: NotNegative[NewtonMeterSecondsPerRadian] = 300.0
+    """Rotational damping at the pelvis."""
+    lowering_speed: Positive[MetersPerSecond] = 0.10
+    """Speed at which a released robot is lowered."""
+    fading_time: Positive[Seconds] = 1.0
+    """Time in which the gantry transfers its load to the legs after lowering."""
 
 
 @dataclass(frozen=True)

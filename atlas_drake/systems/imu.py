@@ -16,8 +16,8 @@ from atlas_drake.control.estimation.attitude import (
 )
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import cross, rotation_matrix
-from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.sensor_noise import NoiseModel, SensorNoise
 from atlas_drake.units import GRAVITY
 
 _UPWARD = np.array([0.0, 0.0, GRAVITY])

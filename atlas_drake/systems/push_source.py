@@ -23,13 +23,13 @@ from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import PUSH, Event, append_recent
 from atlas_drake.robot import TRUNK, Robot
-from atlas_drake.scenario.pushes import (
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.pushes import (
     LARGEST_FORCE,
     LIFT_OFF,
     TOUCHDOWN,
     PlannedPush,
 )
-from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.units import GRAVITY
 
 SAME_TIME = 1e-9

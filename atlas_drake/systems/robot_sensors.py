@@ -18,9 +18,9 @@ from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, W
 from atlas_drake.records.groups import Gains
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_matrix
-from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.contact_forces import contact_wrenches, shapes_of
 from atlas_drake.systems.imu import ImuModel, NoisySystem
+from atlas_drake.systems.sensor_noise import NoiseModel, SensorNoise
 
 _GAINS = [field.name for field in fields(Gains)]
 

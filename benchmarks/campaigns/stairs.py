@@ -18,7 +18,7 @@ from atlas_drake import (
 )
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.messages.footstep import LEFT
-from atlas_drake.scenario.obstacles import Stairs
+from atlas_drake.worlds.obstacles import Stairs
 
 HALF_WIDTH = 0.12
 """Distance of each foot from the middle of the stairs [m]."""

@@ -19,7 +19,7 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.worlds.terrain import Block
 
 LEFT, RIGHT = 0, 1
 LOOK = 0.02

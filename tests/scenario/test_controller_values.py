@@ -9,7 +9,7 @@ from atlas_drake import ScenarioError
 from atlas_drake.config import as_plain, read_yaml
 from atlas_drake.robot import MODELS_FOLDER, available_robots
 from atlas_drake.scenario import Scenario, scenario_from, with_settings
-from atlas_drake.scenario.noise import NOISE_MODELS, NoiseModel
+from atlas_drake.systems.sensor_noise import NOISE_MODELS, NoiseModel
 
 SHORT = {"walk": {"limits": {"forward": 0.3}, "swing": {"height": 0.07}}}
 

@@ -28,8 +28,8 @@ from atlas_drake import (
 from atlas_drake.clients.film.replay import make_replay
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.scenario import Jitter
-from atlas_drake.scenario.models import Model
-from atlas_drake.scenario.world import WorldError
+from atlas_drake.worlds.models import Model
+from atlas_drake.worlds.world import WorldError
 
 EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"
 FRICTION = CoulombFriction(0.5, 0.5)

@@ -17,8 +17,8 @@ from atlas_drake import (
 )
 from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.film.replay import make_replay
-from atlas_drake.scenario.terrain import START_REACH
-from atlas_drake.scenario.world_file import available_worlds
+from atlas_drake.worlds.terrain import START_REACH
+from atlas_drake.worlds.world_file import available_worlds
 
 EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
 

@@ -12,8 +12,7 @@ from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario import Start
-from atlas_drake.scenario.scenario import GantryGains
-from atlas_drake.systems.gantry import Gantry
+from atlas_drake.systems.gantry import Gantry, GantryGains
 
 STEP = 0.002
 """Physics step [s]."""

@@ -7,8 +7,8 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.control.estimation.attitude import turned
 from atlas_drake.scenario import Start
-from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.systems.imu import InertialSensor
+from atlas_drake.systems.sensor_noise import NOISE_MODELS
 from atlas_drake.units import GRAVITY
 
 

@@ -22,7 +22,7 @@ from atlas_drake.scenario import (
     with_settings,
     with_values,
 )
-from atlas_drake.scenario.world_file import with_full_paths
+from atlas_drake.worlds.world_file import with_full_paths
 
 BESIDE = ("pushes", "duration", "schedule")
 """Fields of the scenario that may stand beside ``scenario``."""

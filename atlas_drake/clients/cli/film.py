@@ -23,8 +23,8 @@ from atlas_drake.clients.logs import Log, LogError, read_log
 from atlas_drake.clients.view.overlays import LOG_FIELDS
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.scenario.world_file import View
+from atlas_drake.worlds.world import WorldMaker
+from atlas_drake.worlds.world_file import View
 
 
 def film_log(options: argparse.Namespace) -> int:

@@ -19,8 +19,8 @@ from atlas_drake.config import as_plain, fields_of, joined, trailing_strings
 from atlas_drake.robot.load import available_robots, imported_robots
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import is_of_a_run, usual_of
-from atlas_drake.scenario.world_file import available_worlds
 from atlas_drake.units import unit_of
+from atlas_drake.worlds.world_file import available_worlds
 
 NOT_LISTED = (
     "name",

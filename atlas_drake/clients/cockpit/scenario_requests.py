@@ -24,8 +24,8 @@ from atlas_drake.scenario.differences import (
     changed_fields,
     scenario_yaml,
 )
-from atlas_drake.scenario.world_file import with_full_paths
 from atlas_drake.simulation.done import scenario_of_what_was_done
+from atlas_drake.worlds.world_file import with_full_paths
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

@@ -14,7 +14,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from atlas_drake.records import TickRecord
-from atlas_drake.scenario.world_file import View
+from atlas_drake.worlds.world_file import View
 
 Vector = NDArray[np.float64]
 

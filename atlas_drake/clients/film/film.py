@@ -21,9 +21,9 @@ from atlas_drake.clients.view.colors import joint_colors
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.shapes import Shape, shapes_of
 from atlas_drake.records import TickRecord
-from atlas_drake.scenario.models import world_of
-from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.scenario.world_file import View
+from atlas_drake.worlds.models import world_of
+from atlas_drake.worlds.world import WorldMaker
+from atlas_drake.worlds.world_file import View
 
 RATE = 25
 """Pictures per simulated second [1/s]."""

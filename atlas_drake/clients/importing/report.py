@@ -17,7 +17,7 @@ from atlas_drake.clients.importing.findings import GUESSED, LOST, REPAIRED, Find
 from atlas_drake.clients.importing.trial import NEAR_LIMIT, PUSH_DURATION, Trial
 from atlas_drake.clients.logs import read_log
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.world_file import View
+from atlas_drake.worlds.world_file import View
 
 SIZE = (420, 560)
 """Of each picture [pixel]."""

@@ -16,7 +16,7 @@ from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.records import TickRecord
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.terrain import surface_height
+from atlas_drake.worlds.terrain import surface_height
 
 Array = Any
 """Type of an array for Meshcat, whose stubs do not match numpy's types."""

@@ -18,8 +18,8 @@ from atlas_drake.clients.cockpit.fields import (
     settings_of,
 )
 from atlas_drake.scenario import Scenario, with_settings
-from atlas_drake.scenario.world import WorldError
 from atlas_drake.units import Radians
+from atlas_drake.worlds.world import WorldError
 
 HERON = Path(__file__).parents[2] / "robots" / "heron"
 GAIN = "controller.gains.dcm_gain"

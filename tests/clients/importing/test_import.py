@@ -19,8 +19,8 @@ from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.systems.pushes import PlannedPush
 from atlas_drake.units import GRAVITY
 
 from .replaced import limits

@@ -22,7 +22,7 @@ from atlas_drake.clients.logs.mcap_writer import HEADER, METADATA, McapWriter
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import RunEvent
 from atlas_drake.records.column import Names
-from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.systems.sensor_noise import NOISE_MODELS
 
 from .conftest import PERIOD, TICKS, assert_beginning_of, with_header
 

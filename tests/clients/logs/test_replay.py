@@ -20,7 +20,7 @@ from atlas_drake.clients.view.shapes import shapes_of
 from atlas_drake.config import as_plain
 from atlas_drake.frozen import replace
 from atlas_drake.scenario.scenario import LogContent
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.worlds.terrain import Block
 
 from .conftest import walk_command, with_header
 

@@ -19,7 +19,7 @@ from atlas_drake.config import as_plain
 from atlas_drake.frozen import replace
 from atlas_drake.palette import BEHAVIOR, COM, FORCE, USER
 from atlas_drake.scenario.scenario import LogContent
-from atlas_drake.scenario.world_file import View, World
+from atlas_drake.worlds.world_file import View, World
 
 av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
 

@@ -17,7 +17,7 @@ from atlas_drake.clients.view.scene import (
     Following,
     show_start,
 )
-from atlas_drake.scenario.world_file import load_world
+from atlas_drake.worlds.world_file import load_world
 
 
 class Camera:

@@ -11,8 +11,8 @@ from pydrake.common.yaml import yaml_dump, yaml_load
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.config import as_plain
 from atlas_drake.scenario import scenario_from, with_settings
-from atlas_drake.scenario.terrain import surface_height
-from atlas_drake.scenario.world_file import World, available_worlds, load_world
+from atlas_drake.worlds.terrain import surface_height
+from atlas_drake.worlds.world_file import World, available_worlds, load_world
 
 BALL = Path(__file__).parents[2] / "examples/scenarios/world/ball.sdf"
 OWN = """

@@ -17,8 +17,8 @@ from pydrake.math import RigidTransform, RollPitchYaw
 
 from atlas_drake.config import Configuration, Vector
 from atlas_drake.errors import ScenarioError
-from atlas_drake.scenario.terrain import Block
 from atlas_drake.units import Meters, Radians
+from atlas_drake.worlds.terrain import Block
 
 Length = Annotated[Meters, Interval(ge=0.01, le=100.0)]
 """A length of an obstacle."""

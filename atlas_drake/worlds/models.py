@@ -25,7 +25,7 @@ from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.config import Configuration, as_plain, joined, read_yaml
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
-from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.worlds.world import WorldMaker
 
 
 @as_plain.register

@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.scenario import Start
-from atlas_drake.scenario.terrain import Block, surface_height
+from atlas_drake.worlds.terrain import Block, surface_height
 
 
 def test_the_surface_is_the_highest_top_face_or_the_ground():

@@ -26,10 +26,10 @@ from atlas_drake.robot.load import (
     model_beside,
     names_in,
 )
-from atlas_drake.scenario.models import Model
-from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
-from atlas_drake.scenario.terrain import Block, Place
 from atlas_drake.units import Meters, Radians
+from atlas_drake.worlds.models import Model
+from atlas_drake.worlds.obstacles import Blocks, Ramp, Stairs, Strewn
+from atlas_drake.worlds.terrain import Block, Place
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
 DEFAULT_WORLD = "level"

@@ -1,0 +1,1 @@
+"""Terrain, obstacles and models around the robot, as data and as geometry."""
