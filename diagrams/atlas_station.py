@@ -37,20 +37,21 @@ from atlas_drake.diagrams.controller_socket import (
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.parts.estimation.estimation_error import EstimationError
+from atlas_drake.parts.estimation.state_estimator import StateEstimator
+from atlas_drake.parts.gantry.gantry import Gantry
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.fall_monitor import FallMonitor
-from atlas_drake.systems.gantry import Gantry
 from atlas_drake.systems.imu import InertialSensor
 from atlas_drake.systems.interface_reporter import InterfaceReporter
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
-from atlas_drake.systems.run_statistics import EstimationError, RunStatistics
+from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.sensor_noise import noise_model
-from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 from atlas_drake.worlds.models import world_of

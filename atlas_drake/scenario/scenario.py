@@ -25,7 +25,6 @@ from atlas_drake.config import (
     checked,
     read_as,
 )
-from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,
     RobotDescriptionError,
@@ -34,6 +33,8 @@ from atlas_drake.errors import (
 )
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
+from atlas_drake.parts.estimation.leg_odometry import OdometryTuning
+from atlas_drake.parts.gantry.gantry import GantryGains
 from atlas_drake.robot import (
     DEFAULT_ROBOT,
     find_robot,
@@ -50,7 +51,6 @@ from atlas_drake.scenario.physics import (
     plant_config,
 )
 from atlas_drake.scenario.timed_message import TimedMessage
-from atlas_drake.systems.gantry import GantryGains
 from atlas_drake.systems.pushes import PlannedPush
 from atlas_drake.systems.sensor_noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.units import (

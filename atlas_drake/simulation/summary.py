@@ -12,7 +12,7 @@ import numpy as np
 from atlas_drake.behaviors.footsteps import landed_elsewhere
 from atlas_drake.config import as_plain
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.systems.run_statistics import error_sizes
+from atlas_drake.parts.estimation.estimation_error import error_sizes
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation

@@ -9,7 +9,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, DiscreteValues
 
-from atlas_drake.control.estimation.attitude import (
+from atlas_drake.control.attitude import (
     composed,
     turn_between,
     turned,

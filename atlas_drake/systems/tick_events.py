@@ -13,7 +13,6 @@ from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import Event, items_since
-from atlas_drake.systems.gantry import GantryState
 from atlas_drake.systems.push_source import PushState
 
 _NEVER = -1.0
@@ -29,13 +28,13 @@ def marks_at(
     commands: ActiveCommand,
     pushes: PushState,
     fall: Any,
-    gantry: Any,
+    released: float | None,
 ) -> list[float]:
     """Returns the marks of an instant, ``NUM_MARKS`` numbers.
 
-    ``event_count`` is the controller's; ``fall`` and ``gantry`` may be NOTHING.
+    ``event_count`` is the controller's; ``fall`` may be NOTHING. A gantry lets the
+    robot down at ``released`` [s].
     """
-    released = gantry.released if isinstance(gantry, GantryState) else None
     return [
         event_count,
         commands.received,

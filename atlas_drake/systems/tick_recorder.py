@@ -72,7 +72,8 @@ class TickRecorder(CollectableSystem):
         controller_status: ``ControllerStatus``
         pushes: ``PushState``
         fall: ``Fall``; NOTHING until the robot falls.
-        gantry: ``GantryState``; left out without a gantry.
+        gantry: Has ``released``, the time at which the robot is let down [s], or None;
+            left out without a gantry.
 
     Output ports:
         record: ``TickRecord``.
@@ -197,14 +198,15 @@ class TickRecorder(CollectableSystem):
         )
 
     def _marks(self, context: Context) -> list[float]:
-        gantry = self._gantry.Eval(context) if self._gantry.HasValue(context) else None
+        held = self._gantry.HasValue(context)
+        released = self._gantry.Eval(context).released if held else None
         return marks_at(
             context.get_time(),
             float(self._event_count.Eval(context)[0]),
             self._commands.Eval(context),
             self._pushes.Eval(context),
             self._fall.Eval(context),
-            gantry,
+            released,
         )
 
     def _latest_record(self, context: Context) -> TickRecord:

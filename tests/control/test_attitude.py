@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pydrake.common.eigen_geometry import AngleAxis, Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.control.estimation.attitude import (
+from atlas_drake.control.attitude import (
     turn_between,
     turned,
     turned_in_world,

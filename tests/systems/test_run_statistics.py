@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.systems.run_statistics import EnergyMeter, RunStatistics, error_sizes
+from atlas_drake.systems.run_statistics import EnergyMeter, RunStatistics
 
 TICK = 0.01
 """[s]"""
@@ -46,8 +46,3 @@ def test_work_that_is_done_and_work_that_is_taken_are_counted_apart():
     simulator.AdvanceTo(9.5 * TICK)
     work = meter.GetOutputPort("work").Eval(simulator.get_context())
     assert work == pytest.approx([2.0 * 10 * TICK, 5.0 * 10 * TICK])
-
-
-def test_the_sizes_of_an_error_are_distance_speed_tilt_and_yaw():
-    error = np.array([2.0, 3.0, -6.0, 1.0, -4.0, 8.0, 0.3, -0.4, -0.7])
-    assert error_sizes(error) == pytest.approx([7.0, 9.0, 0.5, 0.7])

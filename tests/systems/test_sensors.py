@@ -5,7 +5,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.estimation.attitude import turned
+from atlas_drake.control.attitude import turned
 from atlas_drake.scenario import Start
 from atlas_drake.systems.imu import InertialSensor
 from atlas_drake.systems.sensor_noise import NOISE_MODELS

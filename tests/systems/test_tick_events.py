@@ -12,7 +12,6 @@ from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus
 from atlas_drake.messages.event import READ_WITHIN, Event, append_recent
 from atlas_drake.robot import load_robot
 from atlas_drake.systems.fall_monitor import Fall
-from atlas_drake.systems.gantry import GantryState
 from atlas_drake.systems.push_source import Push, PushState
 from atlas_drake.systems.tick_events import NO_MARKS, events_between, marks_at
 
@@ -36,12 +35,12 @@ class Run:
         self.happened = []
         """Time and kind of all events so far."""
         self.commands, self.pushes, self.fall = START, PushState(), NOTHING
-        self.status, self.gantry = ControllerStatus(), GantryState(released=released)
+        self.status, self.released = ControllerStatus(), released
 
     def go_on(self, kinds):
         before, self.time = self.time, self.time + PERIOD
-        if before < (self.gantry.released or 0.0) <= self.time:
-            self.happened.append((self.gantry.released, "gantry"))
+        if before < (self.released or 0.0) <= self.time:
+            self.happened.append((self.released, "gantry"))
         for kind in kinds:
             if kind == "fall" and self.fall is not NOTHING:
                 continue
@@ -74,7 +73,7 @@ class Run:
             self.commands,
             self.pushes,
             self.fall,
-            self.gantry,
+            self.released,
         )
 
     def between(self, before, after):

@@ -5,11 +5,11 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.estimation.attitude import turned
+from atlas_drake.control.attitude import turned
+from atlas_drake.parts.estimation.estimation_error import error_sizes
+from atlas_drake.parts.estimation.state_estimator import StateEstimator
 from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario import Start
-from atlas_drake.systems.run_statistics import error_sizes
-from atlas_drake.systems.state_estimator import StateEstimator
 
 TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
@@ -171,3 +171,8 @@ def test_a_reset_of_the_simulation_puts_the_estimate_where_the_robot_is():
     assert [position.x, position.y] == pytest.approx([2.0, -1.0], abs=0.05)
     # Nothing that was felt on the way counts as an error.
     assert sim.summary()["estimator_drift"]["largest"]["position_m"] < 0.01
+
+
+def test_the_sizes_of_an_error_are_distance_speed_tilt_and_yaw():
+    error = np.array([2.0, 3.0, -6.0, 1.0, -4.0, 8.0, 0.3, -0.4, -0.7])
+    assert error_sizes(error) == pytest.approx([7.0, 9.0, 0.5, 0.7])

@@ -14,7 +14,7 @@ import numpy as np
 from annotated_types import Unit
 
 from atlas_drake.config import Configuration, NotNegative
-from atlas_drake.control.estimation.attitude import (
+from atlas_drake.control.attitude import (
     turned,
     turned_in_world,
     upright_correction,

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.systems.framework import Context, State
 
-from atlas_drake.control.estimation.leg_odometry import (
+from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.frozen import Frozen
+from atlas_drake.parts.estimation.leg_odometry import (
     OdometryState,
     OdometryTuning,
     correct,
     predict,
     start_odometry,
 )
-from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.frozen import Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import cross, rotation_matrix
 from atlas_drake.systems.collectable_system import CollectableSystem

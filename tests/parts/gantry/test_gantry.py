@@ -10,9 +10,9 @@ from pydrake.multibody.tree import PdControllerGains
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
 from atlas_drake.control.joints.joint_pid import MotorLaw
+from atlas_drake.parts.gantry.gantry import Gantry, GantryGains
 from atlas_drake.rotations import rotation_error
 from atlas_drake.scenario import Start
-from atlas_drake.systems.gantry import Gantry, GantryGains
 
 STEP = 0.002
 """Physics step [s]."""

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.estimation.attitude import (
+from atlas_drake.control.attitude import (
     turn_between,
     turned,
 )
-from atlas_drake.control.estimation.leg_odometry import (
+from atlas_drake.frozen import replace
+from atlas_drake.parts.estimation.leg_odometry import (
     OdometryTuning,
     correct,
     predict,
     slip_rate,
     start_odometry,
 )
-from atlas_drake.frozen import replace
 from atlas_drake.rotations import rotation_matrix
 from atlas_drake.units import GRAVITY
 

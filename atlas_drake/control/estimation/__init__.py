@@ -1,1 +1,0 @@
-"""State estimation: attitude and leg odometry."""

@@ -1,0 +1,1 @@
+"""A gantry that carries the robot until it is released."""
