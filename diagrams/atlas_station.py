@@ -22,7 +22,6 @@ from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.contact import (
     add_scenery,
     scene_graph_config,
@@ -42,6 +41,7 @@ from atlas_drake.parts.estimation.state_estimator import StateEstimator
 from atlas_drake.parts.gantry.gantry import Gantry
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.fall_monitor import FallMonitor
@@ -181,9 +181,9 @@ def make_atlas_station(
         BehaviorError: If a behavior cannot be registered.
         WorldError: If the world cannot be added.
     """
-    own_behaviors = registered(behaviors)
+    own_behaviors = registered(behaviors, BEHAVIORS)
     robot, scenario = ready(robot, scenario, own_behaviors)
-    entries = (*SHIPPED_ENTRIES, *own_behaviors)
+    entries = (*BEHAVIORS, *own_behaviors)
     catalog = BehaviorCatalog(entries)
     terrain, noise = scenario.all_terrain(), noise_model(scenario.noise)
     world = (*world_of(scenario.all_models()), *listed(world))
@@ -305,7 +305,7 @@ def ready(
 def make_whole_body_controller(
     robot: Robot,
     scenario: Scenario,
-    entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
+    entries: Iterable[BehaviorEntry] = BEHAVIORS,
 ) -> WholeBodyController:
     """Makes the default controller of a station.
 

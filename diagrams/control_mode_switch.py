@@ -16,6 +16,7 @@ from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.worlds.world import WorldMaker
 
@@ -60,7 +61,7 @@ def make_control_mode_switch(
     Raises:
         AtlasError: If ``extend`` is none of these, or adds what Drake cannot build.
     """
-    own_behaviors = registered(behaviors)
+    own_behaviors = registered(behaviors, BEHAVIORS)
     robot, scenario = ready(robot, scenario, own_behaviors)
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(

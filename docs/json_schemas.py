@@ -12,11 +12,11 @@ import source_docs
 from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.clients.campaigns.campaign import Campaign
 from atlas_drake.config import Configuration
 from atlas_drake.robot import RobotFile
 from atlas_drake.scenario import Scenario
+from atlas_drake.shipped import CONTROLLER
 from atlas_drake.worlds.world_file import World
 
 FILES: dict[str, type] = {
@@ -47,7 +47,7 @@ def schema_of(kind: type) -> dict[str, Any]:
     schema = TypeAdapter(kind).json_schema(schema_generator=_Generator)
     known = schema.setdefault("$defs", {})
     if kind is Scenario:
-        controller = TypeAdapter(ControllerConfig).json_schema(
+        controller = TypeAdapter(type(CONTROLLER)).json_schema(
             schema_generator=_Generator
         )
         # The fields of a user's own behaviors depend on what is registered.

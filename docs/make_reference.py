@@ -17,9 +17,7 @@ import source_docs
 import atlas_drake
 from atlas_drake import errors, messages
 from atlas_drake.behaviors import base, fall, supervisor
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import EntryLimits, legal_transitions
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.config import LeastGreatest, as_plain
 from atlas_drake.control.whole_body.model import WholeBodyModel
@@ -28,10 +26,11 @@ from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.robot import file as robot_file
 from atlas_drake.robot import leg as robot_leg
 from atlas_drake.scenario import Scenario
+from atlas_drake.shipped import BEHAVIORS, CONTROLLER
 
 _LEGAL = {
     Behavior[source]: frozenset(map(Behavior.__getitem__, targets))
-    for source, targets in legal_transitions(SHIPPED_ENTRIES).items()
+    for source, targets in legal_transitions(BEHAVIORS).items()
 }
 NOTE = "*Written by `docs/make_reference.py` from the code; changes belong there.*"
 PARAMS = {
@@ -116,7 +115,7 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
         )
     if guard:
         parts += ["## Without a leg", source_docs.paragraphs(guard)]
-    tuned = _tuned(ControllerConfig())
+    tuned = _tuned(CONTROLLER)
     sets = [
         v
         for v in vars(module).values()
@@ -224,7 +223,7 @@ def scenario_page() -> str:
         "In a YAML file nested; on the command line `--set key.path=value`. Checks of "
         "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py). A "
         "robot's file gives values of its own for `controller`, at the same paths.",
-        *_fields_of(dataclasses.replace(Scenario(), controller=ControllerConfig()), ""),
+        *_fields_of(dataclasses.replace(Scenario(), controller=CONTROLLER), ""),
     ]
     return "\n\n".join([*parts, NOTE]) + "\n"
 
@@ -331,7 +330,7 @@ def _first_line(value: Any) -> str:
 def all_pages() -> dict[str, str]:
     """Every page by its path below the reference folder."""
     model = WholeBodyModel(load_robot())
-    behaviors = supervisor.Supervisor(model, ControllerConfig(), 1.0).behaviors
+    behaviors = supervisor.Supervisor(model, CONTROLLER, 1.0, BEHAVIORS).behaviors
     pages = {
         f"{name}.md": message_page(name, cls) for name, cls in all_messages().items()
     }

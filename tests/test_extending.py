@@ -15,8 +15,8 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.messages.event import Event
+from atlas_drake.shipped import BEHAVIORS, shipped_entry
 from atlas_drake.simulation.parts_file import load_parts
 
 ROOT = Path(__file__).parents[1]
@@ -138,9 +138,7 @@ def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
 
 
 def test_a_shipped_entry_is_found():
-    assert [shipped_entry(entry.behavior) for entry in SHIPPED_ENTRIES] == list(
-        SHIPPED_ENTRIES
-    )
+    assert [shipped_entry(entry.behavior) for entry in BEHAVIORS] == list(BEHAVIORS)
 
 
 def test_an_event_is_printed_as_a_line():

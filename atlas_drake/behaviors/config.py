@@ -25,10 +25,8 @@ from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
 from atlas_drake.behaviors.leg_ranges import stance_clearing, within_ranges
-from atlas_drake.behaviors.manipulate.manipulate import ManipulateConfig
 from atlas_drake.behaviors.scaling import feet_fitting, scaled
 from atlas_drake.behaviors.stand.stand import StandConfig
-from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.config import Configuration, checked, declared
 from atlas_drake.control.feet.step_limits import StepLimits
@@ -48,8 +46,8 @@ from atlas_drake.robot import (
 class ControllerConfig(Configuration):
     """Parameters of the controller; field ``controller`` of a scenario.
 
-    The configuration of a behavior of your own, BOW for example, is one more field,
-    ``bow``.
+    The configuration of each other behavior is one more field: ``step``,
+    ``manipulate``, or ``bow`` of a behavior BOW of your own.
     """
 
     gains: ControlGains = field(default_factory=ControlGains)
@@ -67,24 +65,29 @@ class ControllerConfig(Configuration):
     freeze: FreezeConfig = field(default_factory=FreezeConfig)
     stand: StandConfig = field(default_factory=StandConfig)
     walk: WalkConfig = field(default_factory=WalkConfig)
-    step: StepConfig = field(default_factory=StepConfig)
-    manipulate: ManipulateConfig = field(default_factory=ManipulateConfig)
 
     @staticmethod
     def of(
         file: RobotFile,
         robot: Robot | None,
-        behaviors: Iterable[BehaviorEntry] | None = None,
+        behaviors: Iterable[BehaviorEntry],
+        ignore_unknown: bool = False,
     ) -> "ControllerConfig":
         """Returns the configuration of a robot: its file's values, or else defaults.
 
         Atlas' values are scaled to the robot, and its steps are within the ranges of
         its legs; with None it has the defaults as they are.
+
+        Args:
+            file: Has values of its own.
+            robot: To scale by.
+            behaviors: Entries, whose configurations are fields.
+            ignore_unknown: See ``with_values``.
         """
-        config = ControllerConfig()
+        config = ControllerConfig().with_behaviors(behaviors)
         if robot is not None:
             atlas = read_robot_file(DEFAULT_ROBOT).controller
-            config = config.with_values(atlas).scaled(robot.size)
+            config = config.with_values(atlas, ignore_unknown=True).scaled(robot.size)
             walk, stance = config.walk, config.stance
             width = stance_clearing(stance.width, walk.limits, robot)
             limits = within_ranges(walk.limits, robot, width, stance.com_drop)
@@ -93,56 +96,56 @@ class ControllerConfig(Configuration):
                 stance=replace(stance, width=width),
                 walk=replace(walk, limits=limits),
             )
-        return config.with_values(file.controller, behaviors)
+        return config.with_values(file.controller, ignore_unknown)
+
+    def with_behaviors(self, behaviors: Iterable[BehaviorEntry]) -> "ControllerConfig":
+        """Returns this configuration with those of the behaviors as further fields."""
+        shared = {one.name: getattr(self, one.name) for one in fields(self)}
+        own = {
+            entry.configured_at: entry.config
+            for entry in behaviors
+            if entry.config is not None and entry.configured_at not in shared
+        }
+        kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
+        return kind(**shared, **own)
 
     def scaled(self, size: Size) -> "ControllerConfig":
         """Returns the configuration, scaled to a robot of this size."""
         made = scaled(self, size)
-
-        def fitting(limits: StepLimits) -> StepLimits:
-            return replace(limits, width=feet_fitting(limits.width, size))
-
-        return replace(
-            made,
-            stance=replace(made.stance, width=size.stance_width),
-            walk=replace(made.walk, limits=fitting(made.walk.limits)),
-            step=replace(made.step, limits=fitting(made.step.limits)),
-        )
+        fitting = {}
+        for one in fields(made):
+            part = getattr(made, one.name)
+            limits = getattr(part, "limits", None)
+            if isinstance(limits, StepLimits):
+                width = feet_fitting(limits.width, size)
+                fitting[one.name] = replace(part, limits=replace(limits, width=width))
+        stance = replace(made.stance, width=size.stance_width)
+        return replace(made, stance=stance, **fitting)
 
     def with_values(
-        self,
-        values: Mapping[str, Any],
-        behaviors: Iterable[BehaviorEntry] | None = None,
+        self, values: Mapping[str, Any], ignore_unknown: bool = False
     ) -> "ControllerConfig":
         """Returns the configuration with some values changed.
 
         Args:
             values: Values by field, as in YAML.
-            behaviors: Entries of the registered behaviors, whose configurations are
-                fields, too. None if the behaviors are not known yet: then mappings
-                under other names are neither checked nor kept.
+            ignore_unknown: True leaves out mappings under other names, not checked:
+                they may be for behaviors that are yet to come.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        shared = [one.name for one in fields(ControllerConfig)]
-        own = {
-            entry.configured_at: entry.config
-            for entry in behaviors or ()
-            if entry.config is not None and entry.configured_at not in shared
-        }
-        kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
-        base = {name: getattr(self, name, own.get(name)) for name in (*shared, *own)}
         given = dict(values)
-        if behaviors is None:
-            # Fields under another name may be those of a behavior that is yet to come.
+        if ignore_unknown:
+            known = {one.name for one in fields(self)}
             given = {
                 name: value
                 for name, value in values.items()
-                if name in base
+                if name in known
                 or not (isinstance(value, Mapping) or is_dataclass(value))
             }
-        made: ControllerConfig = checked(kind, given, "controller", base=base)
+        base = {one.name: getattr(self, one.name) for one in fields(self)}
+        made: ControllerConfig = checked(type(self), given, "controller", base=base)
         return made
 
     def gait(self, **desired: float) -> Gait:
@@ -173,13 +176,12 @@ class ControllerConfig(Configuration):
 
 @functools.cache
 def _with_fields(own: tuple[tuple[str, type], ...]) -> type[ControllerConfig]:
-    """Returns the configuration's class, with a field for each of the user's own."""
-    if not own:
-        return ControllerConfig
+    """Returns the configuration's class, with a field for each of these behaviors."""
     return make_dataclass(
-        "ExtendedControllerConfig",
-        [(name, declared(kind)) for name, kind in own],
+        "ControllerConfig",
+        [(name, declared(kind), field(default_factory=kind)) for name, kind in own],
         bases=(ControllerConfig,),
         frozen=True,
         kw_only=True,
+        namespace={"__doc__": ControllerConfig.__doc__},
     )

@@ -1,12 +1,12 @@
 """The entry of a behavior: everything that is needed to run and show it.
 
-The shipped entries are in ``shipped``; an entry of your own is made the same way.
+``atlas_drake.shipped`` lists the shipped ones; one of your own is made the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
 
 from atlas_drake.behaviors.balance import Balance
@@ -18,8 +18,12 @@ from atlas_drake.behaviors.stand.stand import Pose, Stand, StandConfig
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import shown
-from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
-from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorError,
+    BehaviorInterface,
+)
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
 from atlas_drake.units import Meters, RadiansPerSecond
@@ -160,6 +164,18 @@ class BehaviorEntry(BehaviorInterface):
             or self.name in source.leads_to
             or source.name in self.follows
         )
+
+
+def entry_of(behavior: Behavior, **how: Any) -> BehaviorEntry:
+    """Makes the entry of a behavior of the original interface.
+
+    Args:
+        behavior: Its name, number, parameters, color and description are known.
+        **how: The other fields of the entry.
+    """
+    interface = SHIPPED.entry(behavior)
+    shared = {field.name: getattr(interface, field.name) for field in fields(interface)}
+    return BehaviorEntry(**shared, **how)
 
 
 def legal_transitions(entries: Iterable[BehaviorEntry]) -> dict[str, frozenset[str]]:

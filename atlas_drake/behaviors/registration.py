@@ -12,14 +12,20 @@ from typing import Any
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.errors import did_you_mean, shown
 from atlas_drake.messages import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
-def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries of the user's own behaviors after checking every field."""
+def registered(
+    behaviors: Iterable[BehaviorEntry], shipped: tuple[BehaviorEntry, ...]
+) -> tuple[BehaviorEntry, ...]:
+    """Returns the entries of the user's own behaviors after checking every field.
+
+    Args:
+        behaviors: The entries.
+        shipped: Entries of the behaviors beside which they are.
+    """
     if not isinstance(behaviors, Iterable):
         raise BehaviorError(
             f"behaviors must be a list of BehaviorEntry values, is {shown(behaviors)}"
@@ -30,9 +36,9 @@ def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
             raise BehaviorError(
                 f"behaviors must be BehaviorEntry values, has {shown(entry)}"
             )
-    catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
+    catalog = BehaviorCatalog((*shipped, *own))
     names = [entry.name for entry in catalog]
-    default = ControllerConfig()
+    default = ControllerConfig().with_behaviors(shipped)
     kinds = {one.name: type(getattr(default, one.name)) for one in fields(default)}
     for entry in own:
         _check_fields(entry)

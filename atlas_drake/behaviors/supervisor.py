@@ -25,7 +25,6 @@ from atlas_drake.behaviors.entry import (
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor_state import (
     LastTransition,
     Running,
@@ -60,7 +59,7 @@ class Supervisor:
         model: WholeBodyModel,
         config: ControllerConfig,
         nominal_height: float,
-        entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
+        entries: Iterable[BehaviorEntry],
     ):
         """Makes the behaviors of all entries.
 

@@ -51,6 +51,7 @@ from atlas_drake.scenario.physics import (
     plant_config,
 )
 from atlas_drake.scenario.timed_message import TimedMessage
+from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.systems.pushes import PlannedPush
 from atlas_drake.systems.sensor_noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.units import (
@@ -309,15 +310,16 @@ class Scenario(CheckedOnce):
             at_file = error.field == "model"
             problem = error.problem if at_file else str(error)
             raise ScenarioError("model", self.model, problem) from None
+        entries, unknown = (*BEHAVIORS, *(behaviors or ())), behaviors is None
         try:
-            robots = ControllerConfig.of(file, robot, behaviors)
+            robots = ControllerConfig.of(file, robot, entries, unknown)
         except ScenarioError as error:
             # Without values in the file, a default of a user's behavior is at fault.
             named = error.within(find_robot(self.model)) if file.controller else error
             raise named from None
         if not self.controller:
             return robots
-        return robots.with_values(self.controller, behaviors)
+        return robots.with_values(self.controller, unknown)
 
     def surroundings(self) -> World:
         """Returns the world that ``world`` stands for."""

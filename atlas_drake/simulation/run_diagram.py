@@ -20,7 +20,6 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import reset_station
 from atlas_drake.diagrams.contact import set_ground_friction
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
@@ -32,6 +31,7 @@ from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, Start
+from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import tutorial_schedule
@@ -67,11 +67,11 @@ class RunDiagram:
         extend: Extend | Iterable[Extend],
     ):
         """Builds the diagram as ``AtlasSimulation`` explains, and begins a run."""
-        self.own_behaviors = registered(behaviors)
+        self.own_behaviors = registered(behaviors, BEHAVIORS)
         world = listed(world)
         scenario = scenario.resolved(self.own_behaviors)
         self.robot = load_robot(scenario.model)
-        self.catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *self.own_behaviors))
+        self.catalog = BehaviorCatalog((*BEHAVIORS, *self.own_behaviors))
         self.schedule = _schedule(scenario, self.robot, self.catalog)
         self.tick_seconds = array("d")
         self.diagram = make_control_mode_switch(

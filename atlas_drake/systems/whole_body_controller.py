@@ -17,7 +17,6 @@ from pydrake.systems.framework import Context, State
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
@@ -83,7 +82,7 @@ class WholeBodyController(CollectableSystem):
         config: ControllerConfig,
         period: float,
         initial_behavior: Behavior,
-        entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
+        entries: Iterable[BehaviorEntry],
     ):
         """Makes the behaviors of ``entries``; ticks every ``period`` [s]."""
         super().__init__()

@@ -13,9 +13,9 @@ import numpy as np
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
 from atlas_drake.behaviors.extended import Extended
-from atlas_drake.behaviors.shipped import shipped_entry
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body import PositionTask
+from atlas_drake.shipped import shipped_entry
 
 CENTER = np.array([0.40, 0.35, 0.25])  # of the circle, in the pelvis' frame P [m]
 RADIUS, PERIOD = 0.12, 2.0  # [m], [s]

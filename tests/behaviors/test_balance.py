@@ -5,7 +5,6 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
@@ -15,6 +14,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_z
+from atlas_drake.shipped import BEHAVIORS, CONTROLLER
 from atlas_drake.units import GRAVITY
 
 from .conftest import as_request
@@ -165,7 +165,7 @@ def test_trunk_and_posture_are_turned_to_their_reference(balance, observe):
 @pytest.mark.parametrize("behavior", ["STAND", "WALK", "STEP", "MANIPULATE"])
 def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     seen = observe()
-    made = Supervisor(model, ControllerConfig(), 0.9).behaviors[Behavior[behavior]]
+    made = Supervisor(model, CONTROLLER, 0.9, BEHAVIORS).behaviors[Behavior[behavior]]
     request = as_request(AtlasSimInterfaceCommand(behavior=behavior))
     body = capture_body(seen.terms)
     state = made.enter(seen, body, request)

@@ -4,8 +4,8 @@ import dataclasses
 import json
 from pathlib import Path
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.config import as_plain
+from atlas_drake.shipped import CONTROLLER
 
 SCHEMA = Path(__file__).parents[2] / "docs/schema/scenario.schema.json"
 
@@ -22,7 +22,7 @@ def configurations(value):
 def test_defaults_are_those_of_the_schema():
     known = json.loads(SCHEMA.read_text(encoding="utf-8"))["$defs"]
     checked = 0
-    for kind in {type(value) for value in configurations(ControllerConfig())}:
+    for kind in {type(value) for value in configurations(CONTROLLER)}:
         described = known[kind.__name__]["properties"]
         for field in dataclasses.fields(kind):
             if "default" in described[field.name]:
@@ -33,7 +33,7 @@ def test_defaults_are_those_of_the_schema():
 
 
 def test_defaults_that_the_schema_leaves_out():
-    config = ControllerConfig()
+    config = CONTROLLER
     limits, walk = config.step.limits, config.walk.limits
     changed = {
         name: value

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.scaling import ATLAS, dimension, scaled
 from atlas_drake.robot import load_robot
+from atlas_drake.shipped import CONTROLLER
 
 QUARTER = replace(ATLAS, mass=ATLAS.mass / 8, height=ATLAS.height / 4)
 """A robot of a quarter of Atlas' height: its times are half as long."""
@@ -38,11 +38,11 @@ def test_atlas_keeps_its_values():
     assert ATLAS.height == pytest.approx(robot.com_height, abs=1e-4)
     assert ATLAS.sole_length == robot.file.sole.length
     assert not robot.file.scaled
-    assert scaled(ControllerConfig(), ATLAS) == ControllerConfig()
+    assert scaled(CONTROLLER, ATLAS) == CONTROLLER
 
 
 def test_each_value_scales_as_its_unit_says():
-    atlas, small = ControllerConfig(), scaled(ControllerConfig(), QUARTER)
+    atlas, small = CONTROLLER, scaled(CONTROLLER, QUARTER)
     for one, by in (
         (lambda c: c.walk.limits.forward, 1 / 4),
         (lambda c: c.walk.limits.duration.least, 1 / 2),
@@ -67,9 +67,7 @@ def test_each_value_scales_as_its_unit_says():
 
 
 def test_the_feet_stand_as_in_the_stand_prep_pose():
-    config = ControllerConfig().scaled(
-        replace(QUARTER, stance_width=0.09, sole_width=0.05)
-    )
+    config = CONTROLLER.scaled(replace(QUARTER, stance_width=0.09, sole_width=0.05))
     assert config.stance.width == 0.09
     least, greatest = config.walk.limits.width
     assert least < 0.09 < greatest
@@ -78,4 +76,4 @@ def test_the_feet_stand_as_in_the_stand_prep_pose():
 
 def test_wide_soles_of_a_low_robot_stay_apart():
     low = replace(QUARTER, height=0.30, sole_width=0.10, stance_width=0.12)
-    assert ControllerConfig().scaled(low).walk.limits.width.least > 0.10
+    assert CONTROLLER.scaled(low).walk.limits.width.least > 0.10

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Scenario
-from atlas_drake.behaviors.step.config import StepRules
 from atlas_drake.messages import (
     NO_STEP,
     AtlasSimInterfaceState,
@@ -19,6 +18,7 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.event import STEPS_LEFT
+from atlas_drake.parts.step.config import StepRules
 from atlas_drake.worlds.terrain import Block
 
 LEFT, RIGHT = 0, 1

@@ -6,9 +6,9 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate, ManipulateConfig
 from atlas_drake.behaviors.stand.stance_guard import Holding
 from atlas_drake.control.whole_body import ComTask
+from atlas_drake.parts.manipulate.manipulate import Manipulate, ManipulateConfig
 
 from .conftest import as_request
 

@@ -6,14 +6,12 @@ import itertools
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
     EntryLimits,
     Transition,
     legal_transitions,
     refusal,
 )
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -24,6 +22,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.shipped import BEHAVIORS, CONTROLLER
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
 
@@ -53,7 +52,7 @@ class Robot:
         # The height is what the pose has, so that nothing counts as a fall.
         terms = observe().terms
         height = float(terms.com[2] - terms.feet[0].p_WF[2])
-        self.supervisor = Supervisor(model, ControllerConfig(), height)
+        self.supervisor = Supervisor(model, CONTROLLER, height, BEHAVIORS)
         self.state = self.supervisor.start(behavior)
         self.request = self._request(behavior, 0)
         self.command = None
@@ -103,7 +102,7 @@ def assert_refused(robot, source, target, flags, code):
 
 def test_the_legal_transitions_are_the_documented_ones():
     names = {s.name: frozenset(t.name for t in targets) for s, targets in LEGAL.items()}
-    assert legal_transitions(SHIPPED_ENTRIES) == names
+    assert legal_transitions(BEHAVIORS) == names
 
 
 @pytest.mark.parametrize(
@@ -193,7 +192,7 @@ def test_stand_takes_over_within_its_margins(make_tools, observe, name):
     tools, seen = make_tools(0.9), observe()
     support = tools.balance.support(*seen.foot_poses)
     inside = -support.distance_outside(seen.terms.com[:2])  # At rest, also the DCM.
-    entries = {entry.behavior: entry for entry in SHIPPED_ENTRIES}
+    entries = {entry.behavior: entry for entry in BEHAVIORS}
     for margin, flag in (
         (inside - 1e-4, BehaviorStatus.OK),
         (

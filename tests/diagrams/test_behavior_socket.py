@@ -22,7 +22,6 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.shipped import shipped_entry
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.config import Share, as_plain
 from atlas_drake.control.whole_body import PositionTask
@@ -33,6 +32,7 @@ from atlas_drake.diagrams.atlas_station import (
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
+from atlas_drake.shipped import shipped_entry
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
 

@@ -13,7 +13,7 @@ from atlas_drake import (
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
-from atlas_drake.behaviors.shipped import shipped_entry
+from atlas_drake.shipped import shipped_entry
 
 PERIOD = 0.01
 """Of the controller that only listens [s]."""

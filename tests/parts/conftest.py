@@ -1,11 +1,16 @@
-"""The default robot for tests of parts; no test is here."""
+"""Robots, observations and random states for tests of parts; no test is here."""
 
-import pytest
+from tests.behaviors.conftest import as_request, balance, make_tools, observe
+from tests.control.conftest import TUTORIAL_ROBOTS, model, random_state, robot, standing
 
-from atlas_drake.robot import load_robot
-
-
-@pytest.fixture(scope="session")
-def robot():
-    """The default robot."""
-    return load_robot()
+__all__ = [
+    "TUTORIAL_ROBOTS",
+    "as_request",
+    "balance",
+    "make_tools",
+    "model",
+    "observe",
+    "random_state",
+    "robot",
+    "standing",
+]

@@ -12,6 +12,7 @@ from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import load_robot
+from atlas_drake.shipped import BEHAVIORS
 
 
 def test_heron_has_other_joints_and_legs_than_atlas(heron):
@@ -200,7 +201,7 @@ def test_what_the_controller_cannot_command_is_refused(copied, words):
 
 
 def test_the_gait_keeps_the_robots_limits(heron):
-    config = ControllerConfig.of(heron.file, heron)
+    config = ControllerConfig.of(heron.file, heron, BEHAVIORS)
     usual = config.gait()
     assert (usual.stride, usual.turn, usual.half_width) == (0.14, 0.15, 0.09)
     assert config.gait(stride=0.2).duration == usual.duration

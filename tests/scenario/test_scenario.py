@@ -15,14 +15,14 @@ from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.config import as_plain, read_yaml
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
 from atlas_drake.messages import Behavior
+from atlas_drake.parts.manipulate.pelvis_reach import PelvisReserves
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
 from atlas_drake.scenario.differences import scenario_yaml
 from atlas_drake.scenario.physics import nominal_period, on_common_grid, plant_config
+from atlas_drake.shipped import CONTROLLER
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
 
@@ -212,7 +212,7 @@ simulator: {accuracy: 1e-3}
     assert scenario.plant.discrete_contact_approximation == "similar"
     assert scenario.simulator.accuracy == 1e-3
     # A robot whose file gives no values of its own has the defaults.
-    assert ControllerConfig() == Scenario(model="atlas_v3").controller_config()
+    assert Scenario(model="atlas_v3").controller_config() == CONTROLLER
     assert scenario != Scenario()
     assert scenario_from(read_yaml(yaml_dump(as_plain(scenario)))) == scenario
     # A file with what differs from the defaults alone is the same scenario.

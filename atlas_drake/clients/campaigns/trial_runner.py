@@ -28,6 +28,7 @@ from atlas_drake.records import TickRecord
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import built_in_difference
+from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.simulation.parts_file import parts_in, run_file
 from atlas_drake.systems.record_reader import add_listener
 
@@ -46,7 +47,7 @@ class TrialRunner:
         for file in campaign.code:
             names |= run_file(Path(file), "code")
         self._campaign, self.parts = campaign, parts_in(names)
-        campaign.check_values(registered(self.parts.get("behaviors", ())))
+        campaign.check_values(registered(self.parts.get("behaviors", ()), BEHAVIORS))
         self._trial = _function(campaign.trial, "trial", TRIALS, names)
         self._metrics = {
             name: _function(name, f"metrics[{index}]", METRICS, names)

@@ -15,10 +15,10 @@ from atlas_drake.clients.cockpit.frame import shown_event
 from atlas_drake.clients.logs import Log
 from atlas_drake.clients.view.overlays import OVERLAYS, logged_overlays
 from atlas_drake.config import fields_of
-from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.joint_command import share_of
+from atlas_drake.parts.manipulate.pelvis_pose import PelvisRange
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.plain import PARTS, leaves, to_plain
@@ -40,7 +40,7 @@ SHARES_OF_LOG = 1000
 
 def describe_run(sim: AtlasSimulation) -> dict[str, Any]:
     """Describes a simulation."""
-    config = sim.scenario.controller_config()
+    config: Any = sim.scenario.controller_config()
     steps = () if sim.scenario.schedule == "none" else STEPS
     return {
         **_robot(sim.robot, sim.behaviors),

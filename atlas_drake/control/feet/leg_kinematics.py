@@ -1,6 +1,6 @@
 """Legs: joint angles in closed form, and the heights that legs reach.
 
-Joint limits and effort limits are checked in ``control.pelvis.pelvis_reach``.
+Joint limits and effort limits are checked in ``parts.manipulate.pelvis_reach``.
 """
 
 from __future__ import annotations

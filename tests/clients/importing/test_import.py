@@ -15,8 +15,8 @@ from atlas_drake.clients.importing.meshes import write_hull
 from atlas_drake.clients.importing.options import ImportOptions
 from atlas_drake.clients.importing.source import find_source, resolve
 from atlas_drake.control.feet.leg_kinematics import leg_solver
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.parts.manipulate.pelvis_pose import PelvisPose
+from atlas_drake.parts.manipulate.pelvis_reach import PelvisReach
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation

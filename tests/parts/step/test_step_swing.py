@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.step_swing import (
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.parts.step.step_swing import (
     PEAK_SPEED,
     StepSwingProfile,
     plan_step_swing,
 )
-from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import (
     rotation_vector,
     rotation_with_normal,

@@ -9,11 +9,14 @@ from hypothesis import strategies as st
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, make_stance
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 from atlas_drake.messages.footstep import FootPose
-
-from .conftest import TUTORIAL_ROBOTS
+from atlas_drake.parts.manipulate.pelvis_pose import (
+    PelvisPose,
+    PelvisRange,
+    make_stance,
+)
+from atlas_drake.parts.manipulate.pelvis_reach import PelvisReach, PelvisReserves
+from tests.parts.conftest import TUTORIAL_ROBOTS
 
 pytestmark = pytest.mark.parametrize(
     "robot", TUTORIAL_ROBOTS, indirect=True, scope="session"

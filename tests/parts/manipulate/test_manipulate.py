@@ -8,10 +8,9 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate, ManipulateConfig
 from atlas_drake.behaviors.stand.stand import Stand
-
-from .conftest import as_request
+from atlas_drake.parts.manipulate.manipulate import Manipulate, ManipulateConfig
+from tests.parts.conftest import as_request
 
 POSE_FIELDS = (
     "pelvis_height",

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atlas_drake.control.pelvis.pelvis_pose import MotionLimits, at_rest
+from atlas_drake.parts.manipulate.pelvis_pose import MotionLimits, at_rest
 
 DT = 0.01
 LIMITS = MotionLimits(speed=0.12, acceleration=0.4)

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance, StanceConfig
-from atlas_drake.behaviors.step.config import PostureRules
-from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.leg_kinematics import highest_com, knee_ahead
 from atlas_drake.control.feet.sole_motion import pitched_pose
@@ -14,6 +12,8 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
+from atlas_drake.parts.step.config import PostureRules
+from atlas_drake.parts.step.plan import StepPlanner
 from atlas_drake.rotations import rotation_z
 
 RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)

@@ -16,23 +16,6 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import step_data_from
-from atlas_drake.behaviors.step.action import step_spec_from
-from atlas_drake.behaviors.step.both_feet import (
-    RestControl,
-    SettleControl,
-    ShiftControl,
-)
-from atlas_drake.behaviors.step.config import StepConfig
-from atlas_drake.behaviors.step.phases import (
-    Lower,
-    Rest,
-    StepSettle,
-    StepShift,
-    StepState,
-    StepSwing,
-)
-from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
-from atlas_drake.behaviors.step.tools import StepPhaseControl, StepTools
 from atlas_drake.control.balance.foothold import ground_below
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasBehaviorStepFeedback, StepStatus
@@ -40,6 +23,23 @@ from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.messages.footstep import FootPose
+from atlas_drake.parts.step.action import step_spec_from
+from atlas_drake.parts.step.both_feet import (
+    RestControl,
+    SettleControl,
+    ShiftControl,
+)
+from atlas_drake.parts.step.config import StepConfig
+from atlas_drake.parts.step.phases import (
+    Lower,
+    Rest,
+    StepSettle,
+    StepShift,
+    StepState,
+    StepSwing,
+)
+from atlas_drake.parts.step.single_support import LowerControl, SwingControl
+from atlas_drake.parts.step.tools import StepPhaseControl, StepTools
 
 
 class Step(BehaviorProtocol):

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.manipulate.pelvis_demo import (
+from atlas_drake.parts.manipulate.pelvis_demo import (
     COORDINATES,
     PERIOD,
     DemoMovements,
     demo_amplitude,
     demo_pose,
 )
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
+from atlas_drake.parts.manipulate.pelvis_pose import PelvisPose
 
 HOME = PelvisPose(0.89)
 MOVEMENTS = DemoMovements()

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from atlas_drake.config import Configuration, NotNegative
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
+from atlas_drake.parts.manipulate.pelvis_pose import PelvisPose
 from atlas_drake.units import Meters, Radians
 
 PERIOD = 6.0

@@ -18,32 +18,32 @@ from atlas_drake.behaviors.body_reference import BodyTarget
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.footsteps import out_of_reach, pace_changed
 from atlas_drake.behaviors.phases import PhaseControl
-from atlas_drake.behaviors.step.action import demo_step, desired_step
-from atlas_drake.behaviors.step.config import StepConfig
-from atlas_drake.behaviors.step.phases import (
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
+from atlas_drake.control.feet.footstep import resolve_height
+from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
+from atlas_drake.control.feet.sole_motion import pitched_pose
+from atlas_drake.frozen import replace
+from atlas_drake.messages import ToeOff
+from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
+from atlas_drake.parts.step.action import demo_step, desired_step
+from atlas_drake.parts.step.config import StepConfig
+from atlas_drake.parts.step.phases import (
     Rest,
     StepPhase,
     StepProgress,
     StepSettle,
     StepShift,
 )
-from atlas_drake.behaviors.step.plan import StepPlan, StepPlanner
-from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
-from atlas_drake.control.balance.weight_shift import (
+from atlas_drake.parts.step.plan import StepPlan, StepPlanner
+from atlas_drake.parts.step.step_swing import plan_step_swing
+from atlas_drake.parts.step.weight_shift import (
     WeightShift,
     plan_weight_shift,
     sway_duration,
 )
-from atlas_drake.control.feet.footstep import resolve_height
-from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
-from atlas_drake.control.feet.sole_motion import pitched_pose
-from atlas_drake.control.feet.step_swing import plan_step_swing
-from atlas_drake.frozen import replace
-from atlas_drake.messages import ToeOff
-from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
 from atlas_drake.rotations import mean_yaw
 
 

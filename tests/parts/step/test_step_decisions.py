@@ -9,26 +9,25 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.step.config import StepConfig, StepRules
-from atlas_drake.behaviors.step.phases import (
-    Lower,
-    Rest,
-    StepSettle,
-    StepShift,
-    StepSwing,
-)
-from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.sole_motion import pitched_pose
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.parts.step.config import StepConfig, StepRules
+from atlas_drake.parts.step.phases import (
+    Lower,
+    Rest,
+    StepSettle,
+    StepShift,
+    StepSwing,
+)
+from atlas_drake.parts.step.step import Step
+from atlas_drake.parts.step.weight_shift import WeightShift
 from atlas_drake.rotations import rotation_z
-
-from .conftest import as_request
+from tests.parts.conftest import as_request
 
 RULES = StepRules(
     touchdown_force=0.04,

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.step.config import PostureRules
 from atlas_drake.control.feet.footstep import (
     landing_error,
     resolve_height,
@@ -33,6 +32,7 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.footstep import FootPose, Footstep, StepAction
+from atlas_drake.parts.step.config import PostureRules
 from atlas_drake.rotations import mean_yaw, rotation_y, rotation_z
 
 

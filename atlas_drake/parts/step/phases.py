@@ -13,13 +13,13 @@ import numpy as np
 
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.control.feet.sole_motion import Pitch
-from atlas_drake.control.feet.step_swing import StepSwing as SwingPath
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.parts.step.step_swing import StepSwing as SwingPath
+from atlas_drake.parts.step.weight_shift import WeightShift
 
 Next = TypeVar("Next", bound="StepPhase")
 

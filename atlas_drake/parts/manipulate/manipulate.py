@@ -2,7 +2,7 @@
 
 Pelvis and center of mass follow the requested pose, clamped to poses in which the robot
 can stand. Trunk and pelvis turn as one; arms and neck keep their positions.
-``control.pelvis.pelvis_reach`` determines the possible poses.
+``pelvis_reach`` determines the possible poses.
 """
 
 from __future__ import annotations
@@ -14,16 +14,23 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.manipulate.pelvis_demo import (
-    DemoMovements,
-    demo_amplitude,
-    demo_pose,
-)
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.feet.leg_pose import LegPose
-from atlas_drake.control.pelvis.pelvis_pose import (
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorPelvisServoParams,
+)
+from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.parts.manipulate.pelvis_demo import (
+    DemoMovements,
+    demo_amplitude,
+    demo_pose,
+)
+from atlas_drake.parts.manipulate.pelvis_pose import (
     PelvisLead,
     PelvisMotion,
     PelvisPose,
@@ -33,14 +40,7 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
-from atlas_drake.frozen import replace
-from atlas_drake.messages import (
-    AtlasBehaviorManipulateFeedback,
-    AtlasBehaviorPelvisServoParams,
-)
-from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.parts.manipulate.pelvis_reach import PelvisReach, PelvisReserves
 from atlas_drake.rotations import tilt_of
 from atlas_drake.units import Meters, Ratio
 

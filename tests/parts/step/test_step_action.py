@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.step.action import (
+from atlas_drake.messages import (
+    AtlasBehaviorStepAction,
+    AtlasBehaviorStepParams,
+    Vector3,
+)
+from atlas_drake.messages.footstep import FootPose, StepAction
+from atlas_drake.parts.step.action import (
     SIDE_BY_SIDE,
     ActionRules,
     demo_step,
@@ -13,12 +19,6 @@ from atlas_drake.behaviors.step.action import (
     resolve_action,
     step_spec_from,
 )
-from atlas_drake.messages import (
-    AtlasBehaviorStepAction,
-    AtlasBehaviorStepParams,
-    Vector3,
-)
-from atlas_drake.messages.footstep import FootPose, StepAction
 from atlas_drake.planning.demo_steps import DEMO_STEPS
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import rotation_z

@@ -11,20 +11,20 @@ from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import with_foot
-from atlas_drake.behaviors.step.phases import (
-    Rest,
-    StepSettle,
-    StepShift,
-    StepState,
-    StepSwing,
-)
-from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
 from atlas_drake.control.feet.sole_motion import Pitch, at_rest, pitched_pose
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.parts.step.phases import (
+    Rest,
+    StepSettle,
+    StepShift,
+    StepState,
+    StepSwing,
+)
+from atlas_drake.parts.step.tools import Reach, StepPhaseControl, StepTools
 
 
 class RestControl(StepPhaseControl[Rest]):

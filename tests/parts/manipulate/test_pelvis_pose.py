@@ -8,7 +8,8 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.pelvis.pelvis_pose import (
+from atlas_drake.messages.footstep import FootPose
+from atlas_drake.parts.manipulate.pelvis_pose import (
     PelvisLead,
     PelvisMotion,
     PelvisPose,
@@ -16,7 +17,6 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     at_rest,
     make_stance,
 )
-from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_z
 
 DT = 0.002

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.step.action import ActionRules
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
-from atlas_drake.control.feet.step_swing import StepSwingProfile
+from atlas_drake.parts.step.action import ActionRules
+from atlas_drake.parts.step.step_swing import StepSwingProfile
 from atlas_drake.units import (
     Meters,
     MetersPerRadian,

@@ -13,8 +13,8 @@ import numpy as np
 from atlas_drake.config import Configuration, NotNegative, Share
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.control.feet.leg_pose import LegPose
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.parts.manipulate.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.robot import KNEE, Leg, Robot
 from atlas_drake.units import GRAVITY, Meters, Radians
 

@@ -13,18 +13,18 @@ from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footsteps import contact_event
 from atlas_drake.behaviors.phases import with_foot
-from atlas_drake.behaviors.step.phases import (
+from atlas_drake.frozen import replace
+from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.parts.step.phases import (
     InAir,
     Lower,
     StepSettle,
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.tools import Reach, StepPhaseControl, StepTools
-from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.step_swing import plan_step_swing
-from atlas_drake.frozen import replace
-from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.parts.step.step_swing import plan_step_swing
+from atlas_drake.parts.step.tools import Reach, StepPhaseControl, StepTools
+from atlas_drake.parts.step.weight_shift import WeightShift
 
 P = TypeVar("P", bound=InAir)
 

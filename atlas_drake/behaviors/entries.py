@@ -1,0 +1,74 @@
+"""The entries of the behaviors that stand and walk, and of those without balance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.behaviors.base import BehaviorProtocol
+from atlas_drake.behaviors.entry import BehaviorTools, Transition, entry_of
+from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.stand.stand import StandConfig
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.whole_body.model import mean_sole_height
+from atlas_drake.messages import Behavior, BehaviorStatus
+
+
+def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
+    """Checks that CoM, DCM and joint speeds are within the limits of STAND's entry."""
+    if asked.source.balanced:
+        return BehaviorStatus.OK
+    observation, limits = asked.observation, asked.tools.entry_limits
+    terms = observation.terms
+    support = asked.tools.balance.support(*observation.foot_poses)
+    if support.distance_outside(terms.com[:2]) > -limits.com_inside:
+        return BehaviorStatus.FAILED_TRANS_COM_POS
+    omega = observation.pendulum_frequency(mean_sole_height(terms))
+    dcm = feedback.dcm(terms, omega)
+    if support.distance_outside(dcm) > -limits.dcm_inside:
+        return BehaviorStatus.FAILED_TRANS_COM_VEL
+    if (
+        float(np.abs(terms.v[~observation.user_held]).max(initial=0.0))
+        > limits.joint_speed
+    ):
+        return BehaviorStatus.FAILED_TRANS_VEL
+    return BehaviorStatus.OK
+
+
+def _stand(tools: BehaviorTools, config: StandConfig) -> BehaviorProtocol:
+    return tools.stand(config=config)
+
+
+_UNBALANCED = {
+    "follows": (),
+    "leads_to": ("STAND_PREP", "STAND"),
+    "balanced": False,
+    "ends_in_order": False,
+}
+_ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
+"""Such behaviors may be requested at any time, for safety."""
+
+NONE = entry_of(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME)
+FREEZE = entry_of(
+    Behavior.FREEZE, make=lambda tools, _config: tools.freeze, **_ANY_TIME
+)
+STAND_PREP = entry_of(
+    Behavior.STAND_PREP,
+    make=_stand,
+    config=StandConfig(),
+    config_field="stand",
+    **_UNBALANCED,
+)
+STAND = entry_of(
+    Behavior.STAND,
+    make=_stand,
+    config=StandConfig(),
+    conditions=(at_rest_over_the_feet,),
+    follows=(),
+    leads_to=("STAND_PREP",),
+    ends_in_order=False,
+    recovers=True,
+)
+WALK = entry_of(Behavior.WALK, make=Walk, config=WalkConfig(), lifts_feet=True)
+USER = entry_of(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME)

@@ -1,1 +1,0 @@
-"""Poses of the pelvis that the legs can reach, and motion between them."""
