@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from atlas_drake.control.feet.footstep import way_around
 from atlas_drake.control.feet.sole_motion import Pitch, pitch_from, pitched_pose
 from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 from atlas_drake.messages.footstep import FootPose, Footstep
@@ -305,3 +306,29 @@ def test_a_flat_swing_lands_flat(start, target):
     _, references = swing_through(start, lambda _: target, SWING_TICKS)
     landing = FootPose(references[-1].p_WF, references[-1].R_WF)
     assert pitch_from(landing, target.normal) == pytest.approx(0.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("turn", [-0.5, 0.0, 0.5])
+@pytest.mark.parametrize("foot", [0, 1])
+def test_a_foot_passes_a_stance_foot_that_has_turned(foot, turn):
+    """As in a stride after a turn: the straight way would cross its leg."""
+    least, length, side = 0.16, 0.2, 1.0 - 2.0 * foot
+    stance = FootPose(np.array([0.0, 0.0, LEVEL]), rotation_z(turn))
+    start = FootPose(np.array([-0.45, side * 0.2, LEVEL]), np.eye(3))
+    end = stance.R_WF @ [0.40, side * 0.2, 0.0] + stance.p_WF
+    step = Footstep(1, foot, end, turn, 0.7, 0.1)
+    around = way_around(step, start, stance, least, length)
+    swing = begin_swing(start, DURATION, HALF_LENGTH, around=around)
+    before = swing.xy
+    for _ in range(round(DURATION / DT)):
+        swing, reference = advance_swing(swing, step, PROFILE, DT)
+        moved = (reference.p_WF[:2] - before) / DT
+        mean = (reference.v_WF - 0.5 * DT * reference.a_WF)[:2]
+        np.testing.assert_allclose(moved, mean, atol=0.02)
+        before = reference.p_WF[:2]
+        p_SF = stance.R_WF.T @ (reference.p_WF - stance.p_WF)
+        if abs(p_SF[0]) < 0.5 * length:
+            assert side * p_SF[1] > least - 0.01
+    np.testing.assert_allclose(reference.p_WF[:2], end[:2], atol=1e-3)
+    # It goes around a foot that has turned into its way, and straight on otherwise.
+    assert bool(around.any()) == (side * turn < 0.0)

@@ -40,7 +40,7 @@ from atlas_drake.behaviors.walk.steps import (
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan, Pendulum
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.footstep import landing_error, outward
+from atlas_drake.control.feet.footstep import landing_error, outward, way_around
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing
 from atlas_drake.frozen import replace
@@ -63,6 +63,7 @@ class WalkPlanner:
         self._pendulum = pendulum
         self._config = config
         self._half_length = balance.robot.file.sole.length / 2
+        self._least_width = config.limits.width.least
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -205,7 +206,7 @@ class WalkPlanner:
         """
         step = self.coming(progress)[0]
         duration = self._config.timing.swing(step.duration) - late
-        stance = progress.feet[1 - step.foot]
+        start, stance = progress.feet[step.foot], progress.feet[1 - step.foot]
         cop = stance_cop(progress.feet, step, self._config)
         begun = replace(
             progress,
@@ -216,11 +217,12 @@ class WalkPlanner:
         )
         coming = self.coming(begun, step)
         motion = begin_swing(
-            progress.feet[step.foot],
+            start,
             duration,
             self._half_length,
             pitch,
             self._landing_pitch(stance, coming),
+            way_around(step, start, stance, self._least_width, 2.0 * self._half_length),
         )
         return WalkSwing(
             stops=len(coming) == 1,

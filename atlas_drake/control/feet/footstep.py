@@ -74,6 +74,37 @@ def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Foo
     return replace(step, swing_height=max(step.swing_height, lowest))
 
 
+def way_around(
+    step: Footstep, start: FootPose, stance: FootPose, least: float, length: float
+) -> np.ndarray:
+    """Computes how far aside a foot must swing so that it passes the other leg.
+
+    On the straight way from ``start`` it would come nearer to a stance foot that has
+    turned.
+
+    Args:
+        step: Where the foot goes.
+        start: Where it lifts off.
+        stance: The other foot.
+        least: Least lateral distance between the feet [m].
+        length: Of the part of the way, around the stance foot, on which they pass [m].
+
+    Returns:
+        Displacement of the way's middle in W [m], shape (2,); zero where there is room.
+    """
+    R_WS = rotation_z(stance.yaw)[:2, :2]
+    sign = outward(step.foot)
+    ends = [R_WS.T @ (pose.p_WF - stance.p_WF)[:2] for pose in (start, step)]
+    (x0, y0), (x1, y1) = ends
+    if x0 * x1 >= 0.0:  # It stops beside the stance foot, or does not come there.
+        return np.zeros(2)
+    slope = (y1 - y0) / (x1 - x0)
+    ahead = clip(0.5 * length, min(x0, x1), max(x0, x1))
+    behind = clip(-0.5 * length, min(x0, x1), max(x0, x1))
+    nearest = min(sign * (y0 + slope * (x - x0)) for x in (ahead, behind))
+    return sign * max(least - nearest, 0.0) * R_WS[:, 1]
+
+
 def longest_duration(apart: float, limits: StepLimits) -> float:
     """Computes the longest time that a step may take [s].
 

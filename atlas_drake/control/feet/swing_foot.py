@@ -22,7 +22,7 @@ from atlas_drake.control.feet.curves import (
     rise_and_fall,
 )
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch, SoleMotion
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import cross, rotation_with_normal, wrap_angle
 from atlas_drake.units import (
@@ -37,6 +37,8 @@ _LONGEST_LIFT = 0.1
 """Greatest share of a swing without horizontal motion on level ground: keeps time for
 the way of a hastened one [-]."""
 
+STRAIGHT = read_only(np.zeros(2))
+"""Displacement of a way that need not go around the other leg [m]."""
 _SHORTEST_PUSH = 1e-3
 """Shorter parts of a swing are left out of its pushes [s]."""
 
@@ -104,6 +106,7 @@ class FootSwing:
     pitch: Pitch  # About the toes with the heel up, about the heel with the toes up
     half_length: float  # Distance of toes and heel from the sole's center [m]
     landing_pitch: float  # Pitch at touchdown [rad]
+    around: np.ndarray  # Displacement of the way's middle in W [m], shape (2,)
     height_share: float = 1.0  # Of the height that the step demands
 
     @property
@@ -131,6 +134,7 @@ def begin_swing(
     half_length: float = 0.0,
     pitch: Pitch = FLAT,
     landing_pitch: float = 0.0,
+    around: np.ndarray = STRAIGHT,
 ) -> FootSwing:
     """Makes a swing that lifts off from ``start`` at rest but for its pitch.
 
@@ -141,10 +145,20 @@ def begin_swing(
             with a pitch.
         pitch: About the toes at lift-off.
         landing_pitch: Pitch at touchdown, positive with the heel up [rad].
+        around: Displacement of the way's middle, around the other leg, in W [m].
     """
     zero, xy = np.zeros(2), start.p_WF[:2].copy()
     return FootSwing(
-        start, duration, 0.0, xy, zero, zero, pitch, half_length, landing_pitch
+        start=start,
+        duration=duration,
+        elapsed=0.0,
+        xy=xy,
+        xy_velocity=zero,
+        xy_acceleration=zero,
+        pitch=pitch,
+        half_length=half_length,
+        landing_pitch=landing_pitch,
+        around=around,
     )
 
 
@@ -247,10 +261,11 @@ def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> Sol
     tipped, tip_rate, tip_push = rise_and_fall(swing.progress, profile.apex)
     toes = _toe_pitch(swing, target, profile)
     R, turn = _sole_on_ground(swing.start, target, s)
+    b, db, ddb = rise_and_fall(swing.progress, 0.5)
     flat = SoleMotion(
-        p_WF=np.array([swing.xy[0], swing.xy[1], z]),
-        v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
-        a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
+        p_WF=np.array([*(swing.xy + b * swing.around), z]),
+        v_WF=np.array([*(swing.xy_velocity + db / T * swing.around), vz]),
+        a_WF=np.array([*(swing.xy_acceleration + ddb / T**2 * swing.around), az]),
         R_WF=R,
         # The rotation axis of the turn hardly moves; its rate is neglected.
         w_WF=turn * (ds / T),
