@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from atlas_drake.clients.film.film import film
     from atlas_drake.clients.logs import Log, LogError, read_log
     from atlas_drake.clients.session import AtlasSimulation
+    from atlas_drake.clients.steering.step_stream import StepStream
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.messages.controller_status import (
         ControllerStatus,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
         steps_to,
         steps_turning,
     )
-    from atlas_drake.planning.step_stream import StepStream
     from atlas_drake.planning.walk_at import (
         nearest_velocity,
         stop_walking,
@@ -70,7 +70,7 @@ _LAZY = {
     "Scenario": "atlas_drake.scenario",
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
-    "StepStream": "atlas_drake.planning.step_stream",
+    "StepStream": "atlas_drake.clients.steering.step_stream",
     "film": "atlas_drake.clients.film.film",
     "load_scenario": "atlas_drake.scenario",
     "place_robot": "atlas_drake.diagrams.standing",

@@ -5,9 +5,12 @@ configuration is then a field of the controller, and commands, figures, log, pag
 reference know it. A behavior of your own enters by ``behaviors=`` in the same way.
 """
 
+from collections.abc import Iterable
+
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entries import FREEZE, NONE, STAND, STAND_PREP, USER, WALK
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.registration import checked_entries
 from atlas_drake.messages import Behavior
 from atlas_drake.parts.manipulate.entry import MANIPULATE
 from atlas_drake.parts.step.entry import STEP
@@ -16,6 +19,15 @@ BEHAVIORS = (NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER)
 """Their entries, in the order of display."""
 CONTROLLER = ControllerConfig().with_behaviors(BEHAVIORS)
 """Defaults of the controller, for a robot of Atlas' size."""
+
+
+def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
+    """Returns the entries of the user's own behaviors after checking every field.
+
+    Raises:
+        BehaviorError: Naming the entry and the field that cannot be used.
+    """
+    return checked_entries(behaviors, BEHAVIORS)
 
 
 def shipped_entry(behavior: Behavior) -> BehaviorEntry:

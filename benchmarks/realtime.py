@@ -39,7 +39,6 @@ from atlas_drake import (
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.qp import WholeBodyQp
-from atlas_drake.diagrams.contact import add_scenery
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
 from atlas_drake.planning.footholds import foothold, step_data
@@ -47,6 +46,7 @@ from atlas_drake.robot import Robot, load_robot, soles
 from atlas_drake.simulation.start import draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.systems.tick_recorder import TickRecorder
+from atlas_drake.worlds.scenery import add_scenery
 
 PIECE = 0.5
 """Simulated time between changes from closed loop to bare plant [s]."""

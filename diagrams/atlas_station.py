@@ -21,9 +21,7 @@ from pydrake.systems.framework import (
 from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.registration import registered
 from atlas_drake.diagrams.contact import (
-    add_scenery,
     scene_graph_config,
     set_robot_dissipation,
 )
@@ -41,7 +39,7 @@ from atlas_drake.parts.estimation.state_estimator import StateEstimator
 from atlas_drake.parts.gantry.gantry import Gantry
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.shipped import BEHAVIORS
+from atlas_drake.shipped import BEHAVIORS, registered
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.fall_monitor import FallMonitor
@@ -55,6 +53,7 @@ from atlas_drake.systems.sensor_noise import noise_model
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 from atlas_drake.worlds.models import world_of
+from atlas_drake.worlds.scenery import add_scenery
 from atlas_drake.worlds.world import (
     WorldError,
     WorldMaker,
@@ -181,7 +180,7 @@ def make_atlas_station(
         BehaviorError: If a behavior cannot be registered.
         WorldError: If the world cannot be added.
     """
-    own_behaviors = registered(behaviors, BEHAVIORS)
+    own_behaviors = registered(behaviors)
     robot, scenario = ready(robot, scenario, own_behaviors)
     entries = (*BEHAVIORS, *own_behaviors)
     catalog = BehaviorCatalog(entries)

@@ -10,13 +10,12 @@ from collections.abc import Callable, Iterable, Sequence
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.registration import registered
 from atlas_drake.diagrams.atlas_station import make_atlas_station, ready
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.shipped import BEHAVIORS
+from atlas_drake.shipped import registered
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.worlds.world import WorldMaker
 
@@ -61,7 +60,7 @@ def make_control_mode_switch(
     Raises:
         AtlasError: If ``extend`` is none of these, or adds what Drake cannot build.
     """
-    own_behaviors = registered(behaviors, BEHAVIORS)
+    own_behaviors = registered(behaviors)
     robot, scenario = ready(robot, scenario, own_behaviors)
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(

@@ -15,9 +15,9 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from atlas_drake.diagrams.contact import GROUND, block_name
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
+from atlas_drake.worlds.scenery import GROUND, block_name
 from atlas_drake.worlds.terrain import Block, surface_height
 from atlas_drake.worlds.world import Overlap, WorldError, overlaps_with_world
 

@@ -10,7 +10,7 @@ import sys
 from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cockpit.cockpit import open_cockpit
-from atlas_drake.simulation.pilot import pilot_of
+from atlas_drake.clients.steering.pilot import pilot_of
 
 PIECE = 0.02  # between two looks at Ctrl+C [s]
 

@@ -35,7 +35,6 @@ from atlas_drake import AtlasSimulation, ControllerStatus, Footstep, Plan
 from atlas_drake.control import whole_body as wb
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.sole import sole_patches
 from atlas_drake.control.feet.swing_foot import (
     FootSwing,
@@ -48,6 +47,7 @@ from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 
 STEP_TIME = 0.63  # from one touchdown to the next [s]

@@ -21,9 +21,9 @@ from atlas_drake import (
     steps_to,
     walk_at,
 )
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.rotations import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.worlds.terrain import Block
 
 pytestmark = pytest.mark.slow

@@ -19,12 +19,6 @@ from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.foothold import WHOLE, Foothold, corners_down, observed
-from atlas_drake.control.balance.support_polygon import (
-    SupportPolygon,
-    area,
-    convex_hull,
-    thinned,
-)
 from atlas_drake.control.feet.sole import sole_patches, toe_corners
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.gains import ControlGains
@@ -55,6 +49,12 @@ from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
 from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import (
+    SupportPolygon,
+    area,
+    convex_hull,
+    thinned,
+)
 from atlas_drake.units import GRAVITY, Meters, NewtonMeters
 
 _STILL = read_only(np.zeros(6))

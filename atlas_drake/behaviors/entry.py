@@ -110,6 +110,16 @@ EntryCondition: TypeAlias = "Callable[[Transition], BehaviorStatus | str]"
 string if it can."""
 
 
+_NEEDS = {
+    BehaviorStatus.FAILED_TRANS_COM_POS: "the weight over the feet: FREEZE first, or "
+    "reset",
+    BehaviorStatus.FAILED_TRANS_COM_VEL: "a robot that does not sway: FREEZE first, or "
+    "wait",
+    BehaviorStatus.FAILED_TRANS_VEL: "joints at rest: FREEZE first, or wait",
+}
+"""What a behavior needs, and what to do, by the flag of its refusal."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class BehaviorEntry(BehaviorInterface):
     """A behavior: how it is requested, made, entered, left and shown.
@@ -165,6 +175,31 @@ class BehaviorEntry(BehaviorInterface):
             or source.name in self.follows
         )
 
+    def refusal_in_words(
+        self,
+        why: BehaviorStatus,
+        source: BehaviorEntry,
+        entries: Iterable[BehaviorInterface],
+    ) -> str:
+        """Says why this behavior cannot follow ``source``, and what to do.
+
+        Args:
+            why: The flag of the refusal.
+            source: The active behavior.
+            entries: All behaviors.
+        """
+        if why in _NEEDS:
+            return f"{self.name} needs {_NEEDS[why]}"
+        before = [
+            one.name
+            for one in entries
+            if isinstance(one, BehaviorEntry)
+            and one is not self
+            and self.may_follow(one)
+        ]
+        names = " or ".join(before) or "no other behavior"
+        return f"{self.name} may follow {names}, not {source.name}"
+
 
 def entry_of(behavior: Behavior, **how: Any) -> BehaviorEntry:
     """Makes the entry of a behavior of the original interface.
@@ -204,40 +239,3 @@ def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, s
         elif answer is not BehaviorStatus.OK:
             return answer, ""
     return BehaviorStatus.OK, ""
-
-
-_NEEDS = {
-    BehaviorStatus.FAILED_TRANS_COM_POS: "the weight over the feet: FREEZE first, or "
-    "reset",
-    BehaviorStatus.FAILED_TRANS_COM_VEL: "a robot that does not sway: FREEZE first, or "
-    "wait",
-    BehaviorStatus.FAILED_TRANS_VEL: "joints at rest: FREEZE first, or wait",
-}
-"""What a behavior needs, and what to do, by the flag of its refusal."""
-
-
-def refusal_in_words(
-    why: BehaviorStatus,
-    target: BehaviorEntry,
-    source: BehaviorEntry,
-    entries: Iterable[BehaviorInterface],
-) -> str:
-    """Says why a behavior cannot follow another, and what to do.
-
-    Args:
-        why: The flag of the refusal.
-        target: The behavior that is asked for.
-        source: The active behavior.
-        entries: All behaviors.
-    """
-    if why in _NEEDS:
-        return f"{target.name} needs {_NEEDS[why]}"
-    before = [
-        one.name
-        for one in entries
-        if isinstance(one, BehaviorEntry)
-        and one is not target
-        and target.may_follow(one)
-    ]
-    names = " or ".join(before) or "no other behavior"
-    return f"{target.name} may follow {names}, not {source.name}"

@@ -9,8 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_left
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydrake.math import RotationMatrix
@@ -18,31 +16,15 @@ from pydrake.math import RotationMatrix
 from atlas_drake.control.feet.footstep import heading_error, landing_error
 from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vector3
 from atlas_drake.messages.event import CONTACT, FOOTSTEP, Event
-from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import rotation_matrix, yaw_of
+from atlas_drake.messages.footstep import (
+    FootPose,
+    Footstep,
+    footstep_from,
+    is_elsewhere,
+)
 
 _FEET = ("left", "right")
 """Word for each foot index."""
-
-
-def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footstep:
-    """Converts a message to a step with the pose of the sole frame in W.
-
-    With ``relative`` its height counts from the stance foot.
-    """
-    p = data.pose.position
-    quaternion = data.pose.orientation.to_wxyz()
-    R_WF = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-    return Footstep(
-        index=int(data.step_index),
-        foot=int(data.foot_index),
-        p_WF=np.array([p.x, p.y, p.z], dtype=float),
-        yaw=yaw_of(R_WF),
-        duration=float(data.duration),
-        swing_height=float(data.swing_height),
-        normal=R_WF[:, 2],
-        relative=relative,
-    )
 
 
 def step_data_from(step: Footstep) -> AtlasBehaviorStepData:
@@ -186,10 +168,6 @@ NOTABLE = 0.001
 """Warn at lift-off of a step that is saturated by at least this distance [m]."""
 NOTABLE_ANGLE = 0.01
 """Warn of a step that is turned or tilted by at least this angle [rad]."""
-ELSEWHERE = 0.05
-"""A step that lands this far from its command counts as landed elsewhere [m]."""
-ELSEWHERE_ANGLE = 0.2
-"""A step that lands turned by this angle counts as landed elsewhere [rad]."""
 
 
 def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
@@ -235,16 +213,6 @@ def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
 def landed_elsewhere(event: Event) -> bool:
     """True if an event reports a landing far from the commanded one."""
     return event.kind == FOOTSTEP and is_elsewhere(event.data)
-
-
-def is_elsewhere(landing: Mapping[str, Any]) -> bool:
-    """True if a foot landed far from the commanded pose, by the data of its event.
-
-    That pose may have been out of reach, or balance may have moved the step.
-    """
-    return bool(
-        landing["error_m"] >= ELSEWHERE or landing["error_rad"] >= ELSEWHERE_ANGLE
-    )
 
 
 def _in_words(metres: float) -> str:

@@ -16,10 +16,10 @@ import numpy as np
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.support_polygon import SupportPolygon
 
 TIME_STEP = 0.04
 """Time between two points of a planned path [s]."""

@@ -17,7 +17,7 @@ from atlas_drake.messages import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
-def registered(
+def checked_entries(
     behaviors: Iterable[BehaviorEntry], shipped: tuple[BehaviorEntry, ...]
 ) -> tuple[BehaviorEntry, ...]:
     """Returns the entries of the user's own behaviors after checking every field.

@@ -20,14 +20,11 @@ from dataclasses import is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
 from atlas_drake.config import LeastGreatest, fields_of
-from atlas_drake.robot import Size
+from atlas_drake.robot import ATLAS, Size
 from atlas_drake.units import unit_of
 
 _T = TypeVar("_T")
 
-
-ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
-"""The robot whose values the defaults are; it stands narrower than in its pose."""
 
 ALONG_SOLE = ("length_margin", "toes", "cop_forward", "tolerated_forward")
 """Parameters that scale with the length of the soles."""

@@ -20,7 +20,6 @@ from atlas_drake.behaviors.entry import (
     BehaviorTools,
     Transition,
     refusal,
-    refusal_in_words,
 )
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
@@ -259,8 +258,8 @@ class Supervisor:
             why = BehaviorStatus.FAILED_TRANS_COM_POS
             reason = f"{sign}; a reset puts the robot back on its feet"
         if why is not BehaviorStatus.OK:
-            words = reason or refusal_in_words(
-                why, entry, source, self._entries.values()
+            words = reason or entry.refusal_in_words(
+                why, source, self._entries.values()
             )
             change = f"{active.behavior.name} -> {target.name}"
             text = f"{change} refused: {words} ({why.name})"

@@ -11,17 +11,20 @@ from typing import TYPE_CHECKING
 from pydrake.geometry import Meshcat
 
 from atlas_drake import simulation
-from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.clients.view.overlays import Overlays
-from atlas_drake.diagrams.control_mode_switch import Extend, additions
-from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import RunEvent
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation.atlas_simulation import check_types
 from atlas_drake.simulation.run_log import Snapshot
-from atlas_drake.worlds.world import WorldMaker
+from atlas_drake.simulation.sockets import (
+    BehaviorEntry,
+    ControllerSource,
+    Extend,
+    WorldMaker,
+    additions,
+)
 
 if TYPE_CHECKING:
     from atlas_drake.clients.logs.header import LogError

@@ -2,12 +2,14 @@
 
 The pose of a foot is the pose of its sole frame: origin at the center of the sole on
 its bottom plane, x to the toes, z along the sole's normal. The limits of a step are in
-``control.feet.footstep``; ``behaviors.footsteps`` reads and writes the messages.
+``control.feet.footstep``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +17,17 @@ from atlas_drake.config import as_float
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import ToeOff
-from atlas_drake.rotations import rotation_with_normal, yaw_of
+from atlas_drake.messages.behavior_params import AtlasBehaviorStepData
+from atlas_drake.rotations import rotation_matrix, rotation_with_normal, yaw_of
 
 LEFT, RIGHT = 0, 1
+UNLOADED, LOADED = 0.01, 0.05
+"""Shares of the robot's weight below which a foot is in the air, and above which it is
+on the ground; in between its state does not change [-]."""
+ELSEWHERE = 0.05
+"""A step that lands this far from its command counts as landed elsewhere [m]."""
+ELSEWHERE_ANGLE = 0.2
+"""A step that lands turned by this angle counts as landed elsewhere [rad]."""
 UP: np.ndarray = read_only(np.array([0.0, 0.0, 1.0]))
 """Normal of level ground."""
 
@@ -124,3 +134,33 @@ def points(given: object, name: str, shape: tuple[int, ...]) -> np.ndarray:
     ):
         raise ValueError(f"{name} must have shape {shape}, is {shown(given)}")
     return read_only(array)
+
+
+def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footstep:
+    """Converts a message to a step with the pose of the sole frame in W.
+
+    With ``relative`` its height counts from the stance foot.
+    """
+    p = data.pose.position
+    quaternion = data.pose.orientation.to_wxyz()
+    R_WF = rotation_matrix(quaternion / np.linalg.norm(quaternion))
+    return Footstep(
+        index=int(data.step_index),
+        foot=int(data.foot_index),
+        p_WF=np.array([p.x, p.y, p.z], dtype=float),
+        yaw=yaw_of(R_WF),
+        duration=float(data.duration),
+        swing_height=float(data.swing_height),
+        normal=R_WF[:, 2],
+        relative=relative,
+    )
+
+
+def is_elsewhere(landing: Mapping[str, Any]) -> bool:
+    """True if a foot landed far from the commanded pose, by the data of its event.
+
+    That pose may have been out of reach, or balance may have moved the step.
+    """
+    return bool(
+        landing["error_m"] >= ELSEWHERE or landing["error_rad"] >= ELSEWHERE_ANGLE
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -16,7 +16,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
 )
 from atlas_drake.messages.controller_status import PlannedPaths
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.records.column import Column, Group
 from atlas_drake.records.groups import (
@@ -33,6 +33,11 @@ from atlas_drake.records.groups import (
     State,
     World,
 )
+
+NO_QP = -1
+"""Value of ``controller.solved`` where a controller has, or needed, no QP."""
+KEPT_LANDINGS = 40
+"""Number of landed footsteps that a record holds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,3 +110,8 @@ class TickRecord(Group):
     def time_to_touchdown(self) -> float:
         """Planned time until the next touchdown [s]; 0 if none is planned."""
         return max(self.walk.t_step_rem, self.step.t_step_rem, 0.0)
+
+
+def landed_among(events: Iterable[Event]) -> tuple[Event, ...]:
+    """Returns the last ``KEPT_LANDINGS`` footsteps that landed."""
+    return tuple(event for event in events if event.kind == FOOTSTEP)[-KEPT_LANDINGS:]

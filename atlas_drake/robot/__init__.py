@@ -26,9 +26,10 @@ from atlas_drake.robot.load import (
     robot_to_scale_by,
 )
 from atlas_drake.robot.parsing import LOCAL_MODELS
-from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot, Size
+from atlas_drake.robot.robot import ATLAS, PelvisParts, PlantIndices, Robot, Size
 
 __all__ = [
+    "ATLAS",
     "DEFAULT_ROBOT",
     "KNEE",
     "LEGS",

@@ -140,7 +140,7 @@ def _one_line(text: str) -> str:
 def _faults() -> Iterator[list[str]]:
     """Collects what Drake only warns of, even where its log is silenced."""
     logger, disabled = logging.getLogger("drake"), logging.root.manager.disable
-    level, found = logger.level, list[str]()
+    level, off, found = logger.level, logger.disabled, list[str]()
     least = max(logger.getEffectiveLevel(), disabled + 1)
 
     def passes(record: logging.LogRecord) -> bool:
@@ -155,14 +155,16 @@ def _faults() -> Iterator[list[str]]:
             _passed.add(kind)
         # Names are the file's; the formats of Drake's records are filled in here.
         record.msg, record.args = printable(message), ()
-        return record.levelno >= least
+        return not off and record.levelno >= least
 
     logger.addFilter(passes)
     logging.disable(logging.NOTSET)
     logger.setLevel(min(least, logging.WARNING))
+    logger.disabled = False
     try:
         yield found
     finally:
         logger.setLevel(level)
+        logger.disabled = off
         logging.disable(disabled)
         logger.removeFilter(passes)

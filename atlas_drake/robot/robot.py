@@ -91,6 +91,10 @@ class Size:
     stance_width: float
 
 
+ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
+"""Atlas, whose values are the defaults; it stands narrower than in its pose."""
+
+
 @dataclass(frozen=True, eq=False)
 class Robot:
     """One robot, read from its YAML description and its URDF.

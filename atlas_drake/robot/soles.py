@@ -135,3 +135,18 @@ def _spread(size: float) -> list[float]:
         -0.5 * size, 0.5 * size, 1 + math.ceil(size / SPACING)
     ).tolist()
     return places
+
+
+def sole_corners(
+    p_WF: np.ndarray, R_WF: np.ndarray, half_length: float, half_width: float
+) -> np.ndarray:
+    """Computes the corners of a rectangle about a sole's center in W [m], (4, 3)."""
+    corners = np.array(
+        [
+            [half_length, half_width, 0.0],
+            [half_length, -half_width, 0.0],
+            [-half_length, -half_width, 0.0],
+            [-half_length, half_width, 0.0],
+        ]
+    )
+    return p_WF + corners @ R_WF.T

@@ -3,6 +3,7 @@
 The simulation is in ``simulation``.
 """
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.scenario.reading import (
     load_scenario,
     scenario_from,
@@ -14,6 +15,7 @@ from atlas_drake.systems.pushes import PlannedPush
 from atlas_drake.worlds.models import Model
 
 __all__ = [
+    "ControllerConfig",
     "Jitter",
     "Model",
     "PlannedPush",

@@ -19,9 +19,7 @@ from pydrake.systems.analysis import (
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.registration import registered
 from atlas_drake.diagrams.atlas_station import reset_station
-from atlas_drake.diagrams.contact import set_ground_friction
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
@@ -31,13 +29,14 @@ from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.shipped import BEHAVIORS
+from atlas_drake.shipped import BEHAVIORS, registered
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.record_reader import RecordListener
 from atlas_drake.worlds.models import set_velocities
+from atlas_drake.worlds.scenery import set_ground_friction
 from atlas_drake.worlds.world import WorldMaker, listed, put_world_back
 
 CLEARANCE = 0.10
@@ -67,7 +66,7 @@ class RunDiagram:
         extend: Extend | Iterable[Extend],
     ):
         """Builds the diagram as ``AtlasSimulation`` explains, and begins a run."""
-        self.own_behaviors = registered(behaviors, BEHAVIORS)
+        self.own_behaviors = registered(behaviors)
         world = listed(world)
         scenario = scenario.resolved(self.own_behaviors)
         self.robot = load_robot(scenario.model)

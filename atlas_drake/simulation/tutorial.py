@@ -13,7 +13,6 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
 from pydrake.math import RigidTransform
 
-from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -24,7 +23,7 @@ from atlas_drake.messages import (
     Quaternion,
     Vector3,
 )
-from atlas_drake.robot import Robot
+from atlas_drake.robot import ATLAS, Robot
 from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 
 FIRST_COMMAND = 2.0

@@ -22,6 +22,7 @@ from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import PUSH, Event, append_recent
+from atlas_drake.messages.footstep import LOADED, UNLOADED
 from atlas_drake.robot import TRUNK, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.pushes import (
@@ -36,9 +37,6 @@ SAME_TIME = 1e-9
 """Times closer than this are the same [s]: times are sums of rounded periods."""
 RECENT = 8
 """Least number of recent pushes that are kept for readers."""
-UNLOADED, LOADED = 0.01, 0.05
-"""Shares of the robot's weight below which a foot is in the air, and above which it is
-on the ground; in between its state does not change [-]."""
 LIFTED_FOR = 0.03
 """Time in the air after which a foot has lifted off: less is a jolt [s]."""
 DOWN_FOR = 0.1

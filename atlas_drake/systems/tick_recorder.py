@@ -7,7 +7,7 @@ until the next tick. The record is put together when somebody reads it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -20,7 +20,6 @@ from atlas_drake.frozen import read_only
 from atlas_drake.messages import Message
 from atlas_drake.messages.commands import ActiveCommand, BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
-from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.records.column import Names
 from atlas_drake.records.groups import (
@@ -36,7 +35,7 @@ from atlas_drake.records.groups import (
 )
 from atlas_drake.records.plain import to_plain
 from atlas_drake.records.schema import GROUPS, OPTIONAL, Schema
-from atlas_drake.records.tick_record import TickRecord
+from atlas_drake.records.tick_record import NO_QP, TickRecord, landed_among
 from atlas_drake.robot import Robot
 from atlas_drake.robot.robot import coordinates_beside
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -50,10 +49,6 @@ from atlas_drake.systems.tick_events import (
     marks_at,
 )
 
-NO_QP = -1
-"""Value of ``controller.solved`` where a controller has, or needed, no QP."""
-KEPT_LANDINGS = 40
-"""Number of landed footsteps that a record holds."""
 _ANSWER = ("request_number", "error_code", "reached")
 _PLAN_FIELDS = frozenset(field.name for field in fields(Plan))
 
@@ -312,11 +307,6 @@ class TickRecorder(CollectableSystem):
             return None
         state = latched["plant_state"]
         return World(*(read_only(state[self._beside[name]]) for name in ("q", "v")))
-
-
-def landed_among(events: Iterable[Event]) -> tuple[Event, ...]:
-    """Returns the last ``KEPT_LANDINGS`` footsteps that landed."""
-    return tuple(event for event in events if event.kind == FOOTSTEP)[-KEPT_LANDINGS:]
 
 
 def _places(sizes: dict[str, int]) -> dict[str, slice]:

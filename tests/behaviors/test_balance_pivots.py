@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.support_polygon import SupportPolygon
 
 HALF = 0.05
 SQUARE = HALF * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])

@@ -8,15 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.math import RollPitchYaw
 
-from atlas_drake.behaviors.footsteps import (
-    footstep_from,
-    merge,
-    next_runs,
-    replaced,
-    step_data_from,
-)
+from atlas_drake.behaviors.footsteps import merge, next_runs, replaced, step_data_from
 from atlas_drake.messages import AtlasBehaviorStepData, Pose, Quaternion, Vector3
-from atlas_drake.messages.footstep import LEFT, RIGHT, Footstep
+from atlas_drake.messages.footstep import LEFT, RIGHT, Footstep, footstep_from
 
 
 def data(index, foot=LEFT, yaw=0.0, x=0.0):

@@ -18,13 +18,13 @@ from atlas_drake.behaviors.walk.gait import (
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance.dcm_plan import Pendulum
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.swing_foot import advance_swing, begin_swing
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 
 PENDULUM = Pendulum(3.3, (-0.006, -0.005))
 CONFIG = WalkConfig(cop_inward=0.010)

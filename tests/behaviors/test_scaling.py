@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from atlas_drake.behaviors.scaling import ATLAS, dimension, scaled
-from atlas_drake.robot import load_robot
+from atlas_drake.behaviors.scaling import dimension, scaled
+from atlas_drake.robot import ATLAS, load_robot
 from atlas_drake.shipped import CONTROLLER
 
 QUARTER = replace(ATLAS, mass=ATLAS.mass / 8, height=ATLAS.height / 4)

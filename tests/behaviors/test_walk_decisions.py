@@ -21,7 +21,6 @@ from atlas_drake.behaviors.walk.phases import (
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.foothold import WHOLE, Foothold
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.sole_motion import Pitch, pitch_from
 from atlas_drake.control.gains import ControlGains
@@ -29,6 +28,7 @@ from atlas_drake.control.whole_body import ComTask
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, UP, FootPose
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 
 from .conftest import as_request

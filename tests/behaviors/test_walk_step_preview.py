@@ -8,7 +8,6 @@ import pytest
 
 from atlas_drake.behaviors.footsteps import (
     footstep_event,
-    is_elsewhere,
     landed_elsewhere,
     out_of_reach,
 )
@@ -27,7 +26,7 @@ from atlas_drake.behaviors.walk.steps import (
 )
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, is_elsewhere
 from atlas_drake.rotations import rotation_z
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()

@@ -9,10 +9,10 @@ from atlas_drake.control.balance.foothold import (
     ground_below,
     observed,
 )
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.gains import ContactModel
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import rotation_about
+from atlas_drake.support_polygon import SupportPolygon
 
 MODEL = ContactModel()
 CORNERS = np.array([[0.11, 0.05], [-0.11, 0.05], [-0.11, -0.05], [0.11, -0.05]])

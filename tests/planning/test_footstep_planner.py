@@ -21,11 +21,10 @@ from atlas_drake import (
     steps_to,
     steps_turning,
 )
-from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.messages import WalkStatus
-from atlas_drake.messages.footstep import LEFT, FootPose
+from atlas_drake.messages.footstep import LEFT, FootPose, footstep_from
 from atlas_drake.rotations import mean_yaw, rotation_z, wrap_angle
 
 LIMITS = StepLimits()

@@ -15,12 +15,11 @@ from atlas_drake import (
     stop_walking,
     walk_at,
 )
-from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorStepData
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, footstep_from
 from atlas_drake.planning.footholds import (
     Foothold,
     foothold,

@@ -19,9 +19,8 @@ from atlas_drake.messages.footstep import Footstep
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
 from atlas_drake.records.schema import GROUPS, OPTIONAL
-from atlas_drake.records.tick_record import ContactForce
+from atlas_drake.records.tick_record import ContactForce, landed_among
 from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS
-from atlas_drake.systems.tick_recorder import landed_among
 from tests.filled import changed
 
 SPECIAL = (0.0, -0.0, 5e-324, -1e308, 0.1, 1.0, float("nan"))

@@ -17,10 +17,10 @@ from atlas_drake.clients.cli.main import main
 from atlas_drake.clients.cockpit.describe import describe_run
 from atlas_drake.clients.film.replay import make_replay
 from atlas_drake.clients.logs import LogError, read_log
+from atlas_drake.clients.steering.pilot import pilot_of
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.robot import load_robot
-from atlas_drake.simulation.pilot import pilot_of
 from atlas_drake.simulation.tutorial import tutorial_schedule
 
 from .conftest import HERON

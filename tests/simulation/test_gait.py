@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.clients.steering.step_stream import StepStream
 from atlas_drake.planning.footstep_planner import steps_ahead
-from atlas_drake.planning.step_stream import StepStream
 
 FLAT = {"roll": {"toe_off": 0.0, "heel_first": 0.0}, "com_rise": 0.0}
 WALKING = slice(250, None)

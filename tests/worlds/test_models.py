@@ -1,5 +1,6 @@
 """Models beside the robot in a scenario: read, placed, and refused by field."""
 
+import logging
 import re
 from pathlib import Path
 
@@ -75,6 +76,16 @@ def test_a_model_that_drake_would_change_or_abort_at_is_refused(
     assert error.value.field == "models[0].file"
     assert words in error.value.problem
     assert "\n" not in error.value.problem
+
+
+def test_a_fault_counts_though_its_log_is_silent(tmp_path, monkeypatch):
+    """As after ``logging.config.dictConfig``, which disables loggers."""
+    monkeypatch.setattr(logging.getLogger("drake"), "disabled", True)
+    file = tmp_path / "ball.sdf"
+    file.write_text(MASSLESS.replace("MASS", "0"))
+    with pytest.raises(ScenarioError, match="ball"):
+        Scenario(models=[Model(file=str(file))]).validate()
+    assert logging.getLogger("drake").disabled
 
 
 def test_models_of_one_file_get_names_of_their_own(tmp_path):

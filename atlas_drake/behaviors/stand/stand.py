@@ -20,13 +20,13 @@ from atlas_drake.behaviors.body_reference import BodyRates, BodyReference, BodyT
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import Meters, MetersPerSecond, Ratio
 
 

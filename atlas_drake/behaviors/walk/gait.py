@@ -14,12 +14,12 @@ import numpy as np
 
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan, Pendulum
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import outward, saturate
 from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing, pushes_ahead
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 
 
 def stance_cop(

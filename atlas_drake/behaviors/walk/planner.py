@@ -39,7 +39,6 @@ from atlas_drake.behaviors.walk.steps import (
 )
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan, Pendulum
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import landing_error, outward, way_around
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch
 from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing
@@ -47,6 +46,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 
 P = TypeVar("P", bound=WalkPhase)
 

@@ -13,7 +13,6 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, MinLen
 
-from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.clients.campaigns.distributions import check_distribution, example
 from atlas_drake.config import (
     CheckedOnce,
@@ -26,6 +25,7 @@ from atlas_drake.config import (
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import Seed
+from atlas_drake.simulation.sockets import BehaviorEntry
 from atlas_drake.units import Seconds
 
 METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")

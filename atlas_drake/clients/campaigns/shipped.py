@@ -18,14 +18,14 @@ import numpy as np
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from atlas_drake.clients.campaigns.energy_meter import EnergyMeter
 from atlas_drake.clients.logs.failure_modes import NONE, FailureWatch
+from atlas_drake.clients.steering.step_stream import StepStream
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
-from atlas_drake.planning.step_stream import StepStream
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
-from atlas_drake.systems.run_statistics import EnergyMeter
 
 Figures = dict[str, Any]
 PIECE = 0.1

@@ -17,7 +17,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.behaviors.registration import registered
 from atlas_drake.clients.campaigns.campaign import Campaign, unmet
 from atlas_drake.clients.campaigns.plan import Record, Trial, parameters_of, scenario_of
 from atlas_drake.clients.campaigns.shipped import METRICS, TRIALS, Figures
@@ -28,9 +27,8 @@ from atlas_drake.records import TickRecord
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import built_in_difference
-from atlas_drake.shipped import BEHAVIORS
 from atlas_drake.simulation.parts_file import parts_in, run_file
-from atlas_drake.systems.record_reader import add_listener
+from atlas_drake.simulation.sockets import add_listener, registered
 
 LISTENER = "metrics"
 """Name of the system that feeds records to the metrics."""
@@ -47,7 +45,7 @@ class TrialRunner:
         for file in campaign.code:
             names |= run_file(Path(file), "code")
         self._campaign, self.parts = campaign, parts_in(names)
-        campaign.check_values(registered(self.parts.get("behaviors", ()), BEHAVIORS))
+        campaign.check_values(registered(self.parts.get("behaviors", ())))
         self._trial = _function(campaign.trial, "trial", TRIALS, names)
         self._metrics = {
             name: _function(name, f"metrics[{index}]", METRICS, names)

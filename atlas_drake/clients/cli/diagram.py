@@ -10,10 +10,9 @@ from pathlib import Path
 
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.progress import StatusLine
-from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.errors import AtlasError
-from atlas_drake.robot import load_robot
-from atlas_drake.simulation.tutorial import tutorial_schedule
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation
 
 FORMATS = (".svg", ".png", ".pdf", ".dot")
 
@@ -30,9 +29,8 @@ def show_diagram(options: argparse.Namespace) -> int:
             "apt install graphviz, brew install graphviz or https://graphviz.org; or "
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
         )
-    robot = load_robot()
-    diagram = make_control_mode_switch(robot, schedule=tutorial_schedule(robot))
-    source = diagram.GetGraphvizString()
+    simulation = AtlasSimulation(Scenario(schedule="tutorial"))
+    source = simulation.diagram.GetGraphvizString()
     try:
         if path.suffix == ".dot":
             path.write_text(source)

@@ -16,7 +16,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from atlas_drake.behaviors.footsteps import is_elsewhere
 from atlas_drake.clients import session
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.film import film_run, log_for_film, with_logged_overlays
@@ -38,6 +37,7 @@ from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.viewer import interactive, keep_serving
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages.event import STEPS_LEFT
+from atlas_drake.messages.footstep import is_elsewhere
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.parts_file import load_parts

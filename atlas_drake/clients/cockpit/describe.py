@@ -18,7 +18,6 @@ from atlas_drake.config import fields_of
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.joint_command import share_of
-from atlas_drake.parts.manipulate.pelvis_pose import PelvisRange
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.plain import PARTS, leaves, to_plain
@@ -164,12 +163,13 @@ def _gait(gait: Gait) -> dict[str, Any]:
     }
 
 
-def _pelvis(allowed: PelvisRange, upright: float) -> dict[str, Any]:
+def _pelvis(allowed: Any, upright: float) -> dict[str, Any]:
     """Returns the bounds of the pelvis' coordinates; the behavior clamps further.
 
     The usual height is that of the stand-prep pose [m], all else is 0.
     """
-    ranges, kinds = {}, fields_of(PelvisRange)
+    kind: Any = type(allowed)
+    ranges, kinds = {}, fields_of(kind)
     for name in PELVIS:
         field = name.removeprefix("pelvis_")
         known: Any = getattr(allowed, field, None)

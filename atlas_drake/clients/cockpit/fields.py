@@ -14,7 +14,6 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Gt, Interval, Le, Lt
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.config import as_plain, fields_of, joined, trailing_strings
 from atlas_drake.robot.load import available_robots, imported_robots
 from atlas_drake.scenario import Scenario
@@ -93,8 +92,6 @@ def _within(
             continue
         inner = getattr(value, name)
         known = usual.get(name) if isinstance(usual, dict) else None
-        if place == "controller":
-            declared = ControllerConfig
         if fields_of(inner.__class__):
             yield from _within(inner.__class__, inner, known, place, left_out)
         else:

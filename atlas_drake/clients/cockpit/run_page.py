@@ -11,7 +11,6 @@ import numpy as np
 import orjson
 from pydrake.geometry import Meshcat
 
-from atlas_drake.behaviors.entry import BehaviorEntry, refusal_in_words
 from atlas_drake.clients.cockpit.calls import offered
 from atlas_drake.clients.cockpit.clock import Clock
 from atlas_drake.clients.cockpit.describe import describe_run
@@ -21,15 +20,16 @@ from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.scenario_requests import NextRun, ScenarioRequests
 from atlas_drake.clients.cockpit.wire import Frame, Robot, Run, Settings
 from atlas_drake.clients.logs.failure_modes import FailureWatch
+from atlas_drake.clients.steering.joint_motion import JointFacts
+from atlas_drake.clients.steering.pilot import reports_of
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.config import checked
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.checks import check_vector
-from atlas_drake.planning.joint_motion import JointFacts
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.simulation import AtlasSimulation
-from atlas_drake.simulation.pilot import reports_of
+from atlas_drake.simulation.sockets import BehaviorEntry
 
 LATELY = 2.0
 """Wall time over which the real-time factor is taken [s]."""
@@ -228,4 +228,4 @@ def why_refused(
     if on_the_way or entry.may_follow(source):
         return ""
     illegal = BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
-    return refusal_in_words(illegal, entry, source, catalog)
+    return entry.refusal_in_words(illegal, source, catalog)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.clients.cockpit.clock import Clock
 from atlas_drake.clients.cockpit.fields import EXAMPLES
 from atlas_drake.config import read_fields
@@ -25,6 +24,7 @@ from atlas_drake.scenario.differences import (
     scenario_yaml,
 )
 from atlas_drake.simulation.done import scenario_of_what_was_done
+from atlas_drake.simulation.sockets import BehaviorEntry
 from atlas_drake.worlds.world_file import with_full_paths
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from atlas_drake.clients.steering.joint_motion import JointFacts
+from atlas_drake.clients.steering.reports import Reports
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.joint_motion import JointFacts
-from atlas_drake.planning.reports import Reports
 
 ACKNOWLEDGED = "acknowledged"
 """What the page answers to a frame: the next one may come."""

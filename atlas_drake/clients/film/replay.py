@@ -22,8 +22,8 @@ from atlas_drake.clients.logs.log import Log
 from atlas_drake.clients.logs.log_player import LogPlayer
 from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.clients.view.overlays import Overlays
-from atlas_drake.diagrams.contact import add_scenery
 from atlas_drake.worlds.models import world_of
+from atlas_drake.worlds.scenery import add_scenery
 from atlas_drake.worlds.world import WorldMaker, add_world
 
 

@@ -18,12 +18,11 @@ from typing import Any
 import lxml.etree as etree
 import numpy as np
 
-from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.clients.importing.files import MESHES, URDF
 from atlas_drake.clients.importing.motions import SETTLES, advance, walk
 from atlas_drake.config import overlaid
 from atlas_drake.robot import load_robot
-from atlas_drake.scenario import Scenario
+from atlas_drake.scenario import ControllerConfig, Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 
 STRONGER = 10.0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from atlas_drake.clients.steering.step_stream import StepStream
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
-from atlas_drake.planning.step_stream import StepStream
 from atlas_drake.simulation import AtlasSimulation
 
 STEPS = 6

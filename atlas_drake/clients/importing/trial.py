@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from atlas_drake.behaviors.scaling import ATLAS
 from atlas_drake.clients import session
 from atlas_drake.clients.importing.files import write_controller
 from atlas_drake.clients.importing.gentler import find_gentler, what_bounds
@@ -23,7 +22,7 @@ from atlas_drake.clients.importing.motions import (
     walk,
 )
 from atlas_drake.planning.walk_at import fastest
-from atlas_drake.robot import TRUNK
+from atlas_drake.robot import ATLAS, TRUNK
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
 

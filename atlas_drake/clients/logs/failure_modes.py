@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.messages.footstep import LOADED, UNLOADED
 from atlas_drake.records import TickRecord
 from atlas_drake.records.groups import Balance
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_matrix
-from atlas_drake.systems.push_source import LOADED, UNLOADED
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 
 SLID, TIPPED = "sole slid", "sole tipped"

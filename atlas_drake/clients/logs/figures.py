@@ -40,7 +40,7 @@ from atlas_drake.clients.logs.log import Log
 from atlas_drake.errors import did_you_mean
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.palette import CMP, COM, COP, DCM, FEET, hex_color
-from atlas_drake.systems.tick_recorder import NO_QP
+from atlas_drake.records.tick_record import NO_QP
 
 SUFFIXES = (".png", ".svg", ".pdf")
 """Endings of the files that figures are drawn to."""

@@ -11,9 +11,9 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 
 from atlas_drake.clients.logs.log import Log
-from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.robot.soles import sole_corners
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 
 SIDES = ("left", "right")

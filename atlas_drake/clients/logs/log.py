@@ -31,9 +31,9 @@ from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.column import Names
 from atlas_drake.records.plain import PARTS, numbers_in
 from atlas_drake.records.schema import TIME
+from atlas_drake.records.tick_record import landed_among
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
-from atlas_drake.systems.tick_recorder import landed_among
 
 if TYPE_CHECKING:
     from pandas import DataFrame

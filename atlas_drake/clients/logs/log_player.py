@@ -13,7 +13,7 @@ from atlas_drake.clients.logs.log import Log
 from atlas_drake.frozen import replace
 from atlas_drake.records import TickRecord
 from atlas_drake.robot.robot import coordinates_beside, own_places
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.simulation.sockets import CollectableSystem
 
 
 class LogPlayer(CollectableSystem):

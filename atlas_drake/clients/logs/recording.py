@@ -14,7 +14,7 @@ from atlas_drake.clients.logs.mcap_writer import McapWriter, header_of
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.scenario.scenario import LogContent
-from atlas_drake.systems.record_reader import RecordListener, add_listener
+from atlas_drake.simulation.sockets import RecordListener, add_listener
 
 
 class LogRecording:

@@ -26,6 +26,7 @@ from atlas_drake.clients.ros_scripts.poses import (
     to_msg,
 )
 from atlas_drake.clients.ros_scripts.ros_types import GOAL_STATUS
+from atlas_drake.clients.steering.step_stream import ANSWER, StepStream
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
     AtlasBehaviorManipulateParams,
@@ -37,7 +38,6 @@ from atlas_drake.messages import (
     StepStatus,
 )
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.planning.step_stream import ANSWER, StepStream
 from atlas_drake.simulation import AtlasSimulation
 
 WALKING = (Behavior.WALK, Behavior.STEP)

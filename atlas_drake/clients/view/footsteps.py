@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
-from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.clients.view.solids import (
     Points,
     Solid,
@@ -21,6 +20,7 @@ from atlas_drake.clients.view.solids import (
     ribbons,
 )
 from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
+from atlas_drake.messages.footstep import footstep_from
 from atlas_drake.palette import FEET
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import SoleSize

@@ -15,8 +15,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
-from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.record_reader import RecordInputs
+from atlas_drake.simulation.sockets import CollectableSystem, RecordInputs
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualizer draws the links."""

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atlas_drake.control.balance.support_polygon import convex_hull, thinned
 from atlas_drake.control.gains import ContactModel
 from atlas_drake.control.whole_body.terms import FrameTerms
 from atlas_drake.frozen import Frozen, read_only, replace
 from atlas_drake.messages.footstep import FootPose
+from atlas_drake.support_polygon import convex_hull, thinned
 
 LEVEL = 0.004
 """A corner of a sole that is farther than this from the planned ground is not down [m]:

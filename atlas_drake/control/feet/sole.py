@@ -14,21 +14,7 @@ from atlas_drake.control.gains import ContactModel
 from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.robot import SoleSize
-
-
-def sole_corners(
-    p_WF: np.ndarray, R_WF: np.ndarray, half_length: float, half_width: float
-) -> np.ndarray:
-    """Computes the corners of a rectangle about a sole's center in W [m], (4, 3)."""
-    corners = np.array(
-        [
-            [half_length, half_width, 0.0],
-            [half_length, -half_width, 0.0],
-            [-half_length, -half_width, 0.0],
-            [-half_length, half_width, 0.0],
-        ]
-    )
-    return p_WF + corners @ R_WF.T
+from atlas_drake.robot.soles import sole_corners
 
 
 def toe_corners(

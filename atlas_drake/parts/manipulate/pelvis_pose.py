@@ -20,10 +20,10 @@ from atlas_drake.config import (
     Positive,
     Range,
 )
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, orientation, tilt_of, wrap_angle, yaw_of
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import Meters, PerSecond, Radians
 
 # ``unit`` is the unit of the field that holds the limits.

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atlas_drake.behaviors.footsteps import footstep_from
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -22,7 +21,14 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, StepAction
+from atlas_drake.messages.footstep import (
+    LEFT,
+    RIGHT,
+    FootPose,
+    Footstep,
+    StepAction,
+    footstep_from,
+)
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.rotations import mean_yaw

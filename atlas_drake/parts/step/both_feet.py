@@ -12,7 +12,6 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footsteps import footstep_event
 from atlas_drake.behaviors.phases import with_foot
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_kinematics import hips_from_com
 from atlas_drake.control.feet.sole_motion import Pitch, at_rest, pitched_pose
 from atlas_drake.frozen import replace
@@ -25,6 +24,7 @@ from atlas_drake.parts.step.phases import (
     StepSwing,
 )
 from atlas_drake.parts.step.tools import Reach, StepPhaseControl, StepTools
+from atlas_drake.support_polygon import SupportPolygon
 
 
 class RestControl(StepPhaseControl[Rest]):

@@ -20,7 +20,6 @@ from atlas_drake.behaviors.footsteps import out_of_reach, pace_changed
 from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
 from atlas_drake.control.feet.footstep import resolve_height
 from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
 from atlas_drake.control.feet.sole_motion import pitched_pose
@@ -45,6 +44,7 @@ from atlas_drake.parts.step.weight_shift import (
     sway_duration,
 )
 from atlas_drake.rotations import mean_yaw
+from atlas_drake.support_polygon import SupportPolygon, load_share_range
 
 
 @dataclass(frozen=True)

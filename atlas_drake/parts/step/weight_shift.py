@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.curves import quintic_progress
+from atlas_drake.support_polygon import SupportPolygon
 
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 """Peak acceleration of the quintic from rest to rest, over distance per duration

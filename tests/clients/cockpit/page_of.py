@@ -11,11 +11,11 @@ from atlas_drake.clients.cockpit.page.access import Access
 from atlas_drake.clients.cockpit.page.server import Server, serving
 from atlas_drake.clients.cockpit.page.session import Session
 from atlas_drake.clients.cockpit.wire import Answer, Frame, Request, Robot, Run
+from atlas_drake.clients.steering.joint_motion import JointFacts
+from atlas_drake.clients.steering.reports import Reports
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.joint_motion import JointFacts
-from atlas_drake.planning.reports import Reports
 from atlas_drake.robot import load_robot
 
 PATIENCE = 10.0

@@ -16,7 +16,7 @@ from atlas_drake.clients.cockpit.page.actions import MOST_OPEN
 from atlas_drake.clients.cockpit.page.server import MOST_BYTES, MOST_BYTES_WATCHING
 from atlas_drake.clients.cockpit.page.session import MOST_VIEWERS, SILENCE
 from atlas_drake.clients.cockpit.wire import ACKNOWLEDGED, Notice, Settings
-from atlas_drake.planning.pilot import Pilot
+from atlas_drake.clients.steering.pilot import Pilot
 
 from .page_of import Clock, served
 

@@ -27,8 +27,8 @@ from atlas_drake.messages import (
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.palette import FEET
+from atlas_drake.records.tick_record import KEPT_LANDINGS, landed_among
 from atlas_drake.robot import SoleSize
-from atlas_drake.systems.tick_recorder import KEPT_LANDINGS, landed_among
 
 
 def step(index, x, y=0.1, yaw=0.0, z=0.0):

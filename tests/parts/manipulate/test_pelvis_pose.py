@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.parts.manipulate.pelvis_pose import (
     PelvisLead,
@@ -17,7 +15,9 @@ from atlas_drake.parts.manipulate.pelvis_pose import (
     at_rest,
     make_stance,
 )
+from atlas_drake.robot.soles import sole_corners
 from atlas_drake.rotations import rotation_z
+from atlas_drake.support_polygon import SupportPolygon
 
 DT = 0.002
 RATES, LEAD = PelvisRates(), PelvisLead()

@@ -7,8 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.parts.manipulate.pelvis_pose import (
     PelvisPose,
@@ -16,6 +14,8 @@ from atlas_drake.parts.manipulate.pelvis_pose import (
     make_stance,
 )
 from atlas_drake.parts.manipulate.pelvis_reach import PelvisReach, PelvisReserves
+from atlas_drake.robot.soles import sole_corners
+from atlas_drake.support_polygon import SupportPolygon
 from tests.parts.conftest import TUTORIAL_ROBOTS
 
 pytestmark = pytest.mark.parametrize(

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.parts.step.weight_shift import (
     WeightShift,
     plan_weight_shift,
     sway_duration,
 )
+from atlas_drake.robot.soles import sole_corners
+from atlas_drake.support_polygon import SupportPolygon
 
 OMEGA = 3.2
 DT = 1e-4

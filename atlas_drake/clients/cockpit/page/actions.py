@@ -13,8 +13,8 @@ from typing import Any
 from atlas_drake.clients.cockpit.calls import call, offered
 from atlas_drake.clients.cockpit.page.session import Session, Viewer
 from atlas_drake.clients.cockpit.wire import Answer, Frame, Request, Run
+from atlas_drake.clients.steering.pilot import Pilot
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
-from atlas_drake.planning.pilot import Pilot
 from atlas_drake.records.plain import to_plain
 
 PATIENCE, LONG_PATIENCE = 5.0, 60.0

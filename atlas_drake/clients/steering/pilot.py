@@ -6,8 +6,17 @@ reports alone.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from atlas_drake.clients.steering.joint_motion import (
+    SHOWN_WITHIN,
+    JointFacts,
+    JointMotion,
+)
+from atlas_drake.clients.steering.reports import Publish, Reports
+from atlas_drake.clients.steering.walker import Walker
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasCommand,
@@ -16,18 +25,19 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.footstep import LEFT
 from atlas_drake.planning.footholds import Gait, foothold, step_data, step_from
-from atlas_drake.planning.joint_motion import SHOWN_WITHIN, JointFacts, JointMotion
-from atlas_drake.planning.reports import Publish, Reports
-from atlas_drake.planning.walker import Walker
 
 _USERS = (Behavior.USER, Behavior.NONE)
+
+
+if TYPE_CHECKING:
+    from atlas_drake.simulation import AtlasSimulation
 
 
 class Pilot(Walker, JointMotion):
     """Walks, moves joints, and asks for behaviors with what people expect of them.
 
     ``see`` needs the latest reports, ten times a second at least. ``update`` does what
-    goes on by itself. ``simulation.pilot.pilot_of`` makes one that a simulation calls.
+    goes on by itself. ``pilot_of`` makes one that a simulation calls.
 
     Example:
         >>> pilot = pilot_of(sim)
@@ -146,3 +156,34 @@ def _behavior(name: Behavior | str) -> Behavior | str:
         return name
     plain = name.strip().upper().replace("-", "_").replace(" ", "_")
     return Behavior.__members__.get(plain, plain)
+
+
+def pilot_of(sim: AtlasSimulation) -> Pilot:
+    """Returns a pilot of a simulation, which calls it from now on.
+
+    Args:
+        sim: The simulation; one of its ``hooks`` updates the pilot.
+    """
+    gait = sim.scenario.controller_config().gait()
+    pilot = Pilot(JointFacts.of(sim.robot), gait, sim.publish, reports_of(sim))
+    time, beginning = sim.time, sim.beginning
+
+    def attend(sim: AtlasSimulation) -> None:
+        nonlocal time, beginning
+        passed = sim.time - time
+        jumped = passed < 0.0 or sim.beginning is not beginning
+        time, beginning = sim.time, sim.beginning
+        pilot.see(reports_of(sim), jumped=jumped)
+        pilot.update(passed)
+
+    sim.hooks.append(attend)
+    return pilot
+
+
+def reports_of(sim: AtlasSimulation) -> Reports:
+    """Returns what a pilot sees of a simulation."""
+    return Reports(
+        sim.atlas_sim_interface_state,
+        sim.output("commands").joints,
+        np.array(sim.atlas_state.position),
+    )

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
-from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.robot.soles import sole_corners
 from atlas_drake.rotations import rotation_y, rotation_z
+from atlas_drake.support_polygon import SupportPolygon, load_share_range
 
 COORDINATES = st.floats(-1.0, 1.0)
 

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import InvalidMessageError
-from atlas_drake.frozen import replace
-from atlas_drake.messages import Behavior
-from atlas_drake.messages.commands import commands_at_start
-from atlas_drake.planning.joint_motion import (
+from atlas_drake.clients.steering.joint_motion import (
     DAMPING,
     SHOWN_WITHIN,
     SPEED,
@@ -17,6 +14,9 @@ from atlas_drake.planning.joint_motion import (
     JointFacts,
     JointMotion,
 )
+from atlas_drake.frozen import replace
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.robot import load_robot
 
 ELBOW = "l_arm_ely"

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Behavior, InvalidMessageError, Scenario
+from atlas_drake.clients.steering.joint_motion import DAMPING, SPEED, JointFacts
+from atlas_drake.clients.steering.pilot import Pilot, pilot_of, reports_of
+from atlas_drake.clients.steering.reports import Reports
+from atlas_drake.clients.steering.walker import PATIENCE, Walker
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.joint_motion import DAMPING, SPEED, JointFacts
-from atlas_drake.planning.pilot import Pilot
-from atlas_drake.planning.reports import Reports
-from atlas_drake.planning.walker import PATIENCE, Walker
 from atlas_drake.robot import load_robot
-from atlas_drake.simulation.pilot import pilot_of, reports_of
 
 ACTS_WITHIN = 0.1
 """Simulated time from a click until the controller has heard it [s]."""

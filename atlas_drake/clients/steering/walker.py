@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+from atlas_drake.clients.steering.reports import Publish
+from atlas_drake.clients.steering.step_stream import StepStream
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
@@ -24,8 +26,6 @@ from atlas_drake.planning.footholds import (
     step_data,
 )
 from atlas_drake.planning.footstep_planner import steps_to
-from atlas_drake.planning.reports import Publish
-from atlas_drake.planning.step_stream import StepStream
 from atlas_drake.planning.walk_at import stop_walking, walk_at
 
 RESOLUTION = 0.25

@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.control.feet.footstep import clip
+from atlas_drake.clients.steering.reports import Publish
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.frozen import replace
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import JointCommand
-from atlas_drake.planning.reports import Publish
 
 if TYPE_CHECKING:
     from atlas_drake.robot import Robot
@@ -187,7 +186,7 @@ class JointMotion:
         position = self._in_force.position.copy()
         for index, target in list(self._targets.items()):
             way = target - position[index]
-            position[index] += clip(way, -SPEED * dt, SPEED * dt)
+            position[index] += min(max(way, -SPEED * dt), SPEED * dt)
             if abs(way) <= SPEED * dt:
                 del self._targets[index]
         self._command(position=position)
