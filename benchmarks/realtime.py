@@ -43,7 +43,7 @@ from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
 from atlas_drake.planning.footholds import foothold, step_data
 from atlas_drake.robot import Robot, load_robot, soles
-from atlas_drake.simulation.start import draw_variation, scale_masses
+from atlas_drake.simulation.beginning import draw_variation, scale_masses
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.systems.tick_recorder import TickRecorder
 from atlas_drake.worlds.scenery import add_scenery

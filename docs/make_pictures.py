@@ -28,9 +28,9 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.clients.cli.main import main as atlas_drake
+from atlas_drake.clients.parts_file import run_file
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.viewer import start_meshcat
-from atlas_drake.simulation.parts_file import run_file
 from atlas_drake.worlds.world_file import View
 
 PAGES = ("films", "readme", "cockpit", "extending", "worlds", "robots")

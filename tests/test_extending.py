@@ -15,9 +15,9 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.clients.parts_file import load_parts
 from atlas_drake.messages.event import Event
 from atlas_drake.shipped import BEHAVIORS, shipped_entry
-from atlas_drake.simulation.parts_file import load_parts
 
 ROOT = Path(__file__).parents[1]
 FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"

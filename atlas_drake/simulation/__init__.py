@@ -3,7 +3,6 @@
 Scenarios are in ``scenario``, the connections of the systems in ``diagrams``.
 """
 
-from atlas_drake.simulation.atlas_simulation import AtlasSimulation
-from atlas_drake.simulation.run_diagram import SimulationError
+from atlas_drake.simulation.atlas_simulation import AtlasSimulation, SimulationError
 
 __all__ = ["AtlasSimulation", "SimulationError"]

@@ -1,6 +1,6 @@
 """``AtlasSimulation``: builds one robot's diagram, publishes, advances, reads, resets.
 
-``run_diagram`` builds and holds the diagram of a run, ``run_log`` its events.
+``beginning`` puts robot and world where a run begins, ``run_log`` keeps its events.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from array import array
 from collections.abc import Callable, Iterable, MutableSequence, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -15,13 +16,20 @@ from typing import Any
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.systems.analysis import (
+    ApplySimulatorConfig,
+    InitializeParams,
+    Simulator,
+)
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.config import as_float, checked
-from atlas_drake.diagrams.control_mode_switch import Extend
-from atlas_drake.diagrams.controller_socket import ControllerSource
+from atlas_drake.diagrams.atlas_station import reset_station
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.errors import (
+    AtlasError,
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
@@ -38,23 +46,38 @@ from atlas_drake.messages import (
     Refusal,
     accept,
 )
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event, LoggedCommand, RunEvent
 from atlas_drake.records import Schema, TickRecord
+from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.differences import built_in_difference
-from atlas_drake.scenario.scenario import Seed
-from atlas_drake.simulation.pace import steady_ticks
-from atlas_drake.simulation.run_diagram import RunDiagram
+from atlas_drake.scenario.scenario import Seed, starting_behavior
+from atlas_drake.shipped import BEHAVIORS, registered
+from atlas_drake.simulation.beginning import (
+    Variation,
+    begin,
+    draw_variation,
+    moved,
+    place,
+    put_back,
+)
+from atlas_drake.simulation.pace import Pace, steady_ticks
 from atlas_drake.simulation.run_log import Beginning, Done, RunLog, Snapshot
-from atlas_drake.simulation.start import start_of_reset
 from atlas_drake.simulation.summary import make_summary
-from atlas_drake.worlds.world import WorldMaker
+from atlas_drake.simulation.tutorial import scheduled
+from atlas_drake.systems.record_reader import RecordListener
+from atlas_drake.worlds.world import WorldMaker, listed
 
 CHUNK = 0.02
 """Simulated time between two calls of the hooks [s]."""
 Hook = Callable[["AtlasSimulation"], object]
 """Called between two chunks of an advance."""
+
+
+class SimulationError(AtlasError, RuntimeError):
+    """The physics could not be solved any further."""
 
 
 class AtlasSimulation:
@@ -70,6 +93,9 @@ class AtlasSimulation:
         station: The ``AtlasStation`` in the diagram.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
+        scenario: The scenario of the present run.
+        tick_seconds: Wall-clock times of the controller's ticks [s]; empty if it gives
+            none.
         hooks: Callables (sim) -> None, called in their order by the thread that
             advances, every 20 ms of simulated time. They may publish, push, wait,
             reset and restore; when one goes back in time, the advance still lasts as
@@ -124,21 +150,62 @@ class AtlasSimulation:
             BehaviorError: If a behavior cannot be registered.
         """
         check_types(scenario=(scenario, Scenario), listeners=(listeners, Iterable))
-        scenario = scenario or Scenario()
-        self._run = RunDiagram(scenario, controller, behaviors, world, extend)
-        self.behaviors, self.listeners = self._run.catalog, list(listeners)
-        self.robot, self.simulator = self._run.robot, self._run.simulator
-        self.diagram, self.station = self._run.diagram, self._run.station
-        self.plant = self._run.plant
+        self._own_behaviors = registered(behaviors)
+        scenario = (scenario or Scenario()).resolved(self._own_behaviors)
+        self.robot = load_robot(scenario.model)
+        self.behaviors = BehaviorCatalog((*BEHAVIORS, *self._own_behaviors))
+        self._schedule = scheduled(scenario, self.robot, self.behaviors)
+        world = listed(world)
+        self.diagram = make_control_mode_switch(
+            self.robot,
+            scenario,
+            self._schedule,
+            controller=controller,
+            behaviors=self._own_behaviors,
+            world=world,
+            extend=extend,
+        )
+        self.station: Any = self.diagram.GetSubsystemByName("station")
+        self.plant: Any = self.station.GetSubsystemByName("plant")
+        self.simulator = Simulator(self.diagram)
+        ApplySimulatorConfig(scenario.simulator, self.simulator)
+        self._pace = Pace(self.simulator)
+        self.tick_seconds: MutableSequence[float] = array("d")
+        for name in (CONTROLLER, "tick_recorder"):
+            system = self.station.GetSubsystemByName(name)
+            if hasattr(system, "tick_seconds"):
+                system.tick_seconds = self.tick_seconds
+        # Where only a model of the world can be in the robot's way.
+        self._trial: Context | None = None
+        if world or scenario.all_models():
+            self._trial = self.diagram.CreateDefaultContext()
         self.hooks: list[Hook] = []
+        self.listeners = list(listeners)
         self._thread: int | None = None  # Of the advance that goes on.
-        self._note_begin()
+        self._begin(scenario)
 
-    def _note_begin(self) -> None:
-        """Starts the records of a run that begins."""
-        self._log = RunLog(self._run)
+    def _begin(self, scenario: Scenario) -> None:
+        """Begins a run at time 0, with what is drawn from the scenario's seed."""
+        source, of_source = self.part("push_source")
+        pushes = source.schedule(scenario.pushes)
+        variation = draw_variation(scenario, self.robot)
+        self._check_place(scenario, variation, scenario.start)
+        self.scenario, self._variation = scenario, variation
+        begin(self, scenario, variation)
+        source.begin(of_source, pushes)
+        self.simulator.Initialize()
+        self._pace.forget_all()
+        del self.tick_seconds[:]
+        self._log = RunLog(scenario, self._schedule)
         self._wall_time = 0.0
         self._call_listeners("begin", self)
+
+    def _check_place(
+        self, scenario: Scenario, variation: Variation, start: Start
+    ) -> None:
+        """Raises WorldError if the robot cannot begin there, before it is put there."""
+        if self._trial is not None:
+            place(self, self._trial, scenario, variation, start)
 
     def close(self) -> None:
         """Tells the listeners, such as a log; the run may continue.
@@ -193,7 +260,7 @@ class AtlasSimulation:
 
     def _receive(self, outcome: Accepted | Refusal) -> Refusal | None:
         """Hands over what the door said of a message; returns why it is refused."""
-        interface, context = self._run.part("command_interface")
+        interface, context = self.part("command_interface")
         return interface.receive(context, outcome)
 
     def apply_push(
@@ -212,7 +279,7 @@ class AtlasSimulation:
             RuntimeError: If another thread advances the simulation.
         """
         self._check_thread()
-        source, context = self._run.part("push_source")
+        source, context = self.part("push_source")
         source.push(context, body, force_W, duration)
         self._look()
 
@@ -254,11 +321,33 @@ class AtlasSimulation:
                 while self.time < end - 1e-9:
                     end += self._call_hooks()
                     if self.time < end - 1e-9:
-                        self._run.advance_to(min(end, self.time + CHUNK))
+                        self._pace.forget_lost_time()
+                        self._solve(min(end, self.time + CHUNK))
                         self._look()
         finally:
             self._thread = outer
             self._wall_time += time.perf_counter() - begin
+
+    def _solve(self, t: float) -> None:
+        """Lets Drake simulate until a time [s]."""
+        try:
+            self.simulator.AdvanceTo(t)
+        except RuntimeError as error:
+            raise SimulationError(
+                f"the simulation stopped at {self.time:.3f} s: {error}"
+                f"{self._wrong_effort()}"
+            ) from error
+
+    def _wrong_effort(self) -> str:
+        """Names the joint whose effort from the controller is not finite, if any."""
+        try:
+            wrong = np.flatnonzero(~np.isfinite(self.output("behavior_effort")))
+        except Exception:  # What stopped the physics may stop this, too.
+            return ""
+        if not wrong.size:
+            return ""
+        joint = self.robot.joint_names[wrong[0]]
+        return f" The controller's behavior_effort of {joint} is not finite."
 
     def _check_thread(self) -> None:
         """Refuses what a Drake Context cannot bear: a second thread in an advance."""
@@ -332,7 +421,7 @@ class AtlasSimulation:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
         rate = check_number(rate, "rate", 0.0)
-        self._run.pace.set_rate(rate)
+        self._pace.set_rate(rate)
 
     # ---- start ---------------------------------------------------------------
 
@@ -366,20 +455,36 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world.
         """
         # All is checked before anything changes.
-        begin, start = start_of_reset(self.scenario, self.behaviors, behavior, pose)
+        asked = self.scenario.initial_behavior if behavior is None else behavior
+        active = starting_behavior(asked, "behavior", self.behaviors)
+        given = self.scenario.start if pose is None else pose
+        start: Start = checked(Start, given, "pose")
+        start.check_behavior(active)
+        if start.on_gantry and not self.station.HasSubsystemNamed("gantry"):
+            problem = "needs a scenario that began on the gantry"
+            raise ScenarioError("start.on_gantry", True, problem)
         where = None if pose is None else self.scenario.start_pose(start)
         if seed is not None:
             new = replace(self.scenario, seed=checked(Seed, seed, "seed"))
             if where is not None:
-                self._run.check_reset(new, start, where)
+                drawn = moved(draw_variation(new, self.robot), where)
+                self._check_place(new, drawn, start)
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return
+        variation = moved(self._variation, where)
+        self._check_place(self.scenario, variation, start)
         # Collect events that precede the reset.
         self._look()
-        self._run.reset(begin, start, where)
-        self._log.begin(self._beginning(begin, None if pose is None else start))
-        text = f"reset, {begin.name} begins"
+        for system in self.diagram.GetSystems():
+            if isinstance(system, RecordListener):
+                # A controller that failed gives no record, and is reset all the same.
+                with suppress(Exception):
+                    system.flush(system.GetMyContextFromRoot(self.context))
+        put_back(self, variation, start)
+        reset_station(self.station, self.context, active)
+        self._log.begin(self._beginning(active, None if pose is None else start))
+        text = f"reset, {active.name} begins"
         self._tell(self._log.note(RunEvent(self.time, "reset", text)))
         self.simulator.Initialize()
         self._look()
@@ -407,16 +512,15 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
-        asked = scenario.resolved(self._run.own_behaviors)
+        asked = scenario.resolved(self._own_behaviors)
         field = built_in_difference(self.scenario, asked)
         if field is not None:
             raise ScenarioError(field, None, "is changed, and needs a new simulation")
         self._begin_anew(asked)
 
     def _begin_anew(self, scenario: Scenario) -> None:
-        """Begins a run of a scenario that the diagram can take up."""
-        self._run.begin(scenario)
-        self._note_begin()
+        """Begins another run, of a scenario that the diagram can take up."""
+        self._begin(scenario)
 
     def snapshot(self) -> Snapshot:
         """Stores the present, for ``restore``.
@@ -425,9 +529,13 @@ class AtlasSimulation:
         Context is not part of it.
         """
         self._look()
-        context, variation = self._run.context.Clone(), self._run.variation
-        log = self._log.copy()
-        return Snapshot(context, self.scenario, variation, log, self._wall_time)
+        return Snapshot(
+            self.context.Clone(),
+            self.scenario,
+            self._variation,
+            self._log.copy(),
+            self._wall_time,
+        )
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back (or ahead) to a stored snapshot; a 3D view shows it at once.
@@ -449,7 +557,15 @@ class AtlasSimulation:
             raise TypeError(
                 f"restore takes what snapshot() returned, not {type(snapshot).__name__}"
             )
-        self._run.restore(snapshot.context, snapshot.scenario, snapshot.variation)
+        try:
+            self.diagram.ValidateContext(snapshot.context)
+        except (RuntimeError, ValueError):
+            raise ValueError("the snapshot is that of another simulation") from None
+        self.context.SetTimeStateAndParametersFrom(snapshot.context)
+        self.scenario, self._variation = snapshot.scenario, snapshot.variation
+        # Without the events of an initialization; updates that are due now still come.
+        self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self._pace.forget_all()
         self._log = snapshot.log.copy()
         self._wall_time = snapshot.wall_time
         self.diagram.ForcedPublish(self.context)
@@ -458,8 +574,10 @@ class AtlasSimulation:
         """Sends nothing more of the scenario's schedule and messages."""
         self._check_thread()
         self._look()
-        self._run.drop_schedule()
-        self._tell(self._log.drop_schedule())
+        if self._schedule:
+            scheduler: Any = self.diagram.GetSubsystemByName("scheduler")
+            scheduler.drop_rest(scheduler.GetMyMutableContextFromRoot(self.context))
+        self._tell(self._log.drop_schedule(self.time))
 
     def release(self) -> None:
         """Lets a robot on the gantry down to the ground, and then go.
@@ -470,21 +588,16 @@ class AtlasSimulation:
         if not self.station.HasSubsystemNamed("gantry"):
             problem = "there is no gantry to release"
             raise ScenarioError("start.on_gantry", False, problem)
-        gantry, context = self._run.part("gantry")
+        gantry, context = self.part("gantry")
         gantry.release(context)
         self._look()
 
     # ---- state ---------------------------------------------------------------
 
     @property
-    def scenario(self) -> Scenario:
-        """The scenario of the present run."""
-        return self._run.scenario
-
-    @property
     def context(self) -> Context:
         """The diagram's root context."""
-        return self._run.context
+        return self.simulator.get_mutable_context()
 
     @property
     def time(self) -> float:
@@ -578,12 +691,7 @@ class AtlasSimulation:
             frame = self.plant.GetFrameByName(name, own)
         except (RuntimeError, TypeError) as error:
             raise ValueError(f"there is no frame {name!r}: {error}") from error
-        return frame.CalcPoseInWorld(self._run.plant_context)
-
-    @property
-    def tick_seconds(self) -> MutableSequence[float]:
-        """Wall-clock times of the controller's ticks [s]; empty if it gives none."""
-        return self._run.tick_seconds
+        return frame.CalcPoseInWorld(self.part("plant")[1])
 
     def output(self, name: str) -> Any:
         """Reads an output port of the station.
@@ -598,7 +706,20 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        return self._run.output(name)
+        try:
+            port = self.diagram.GetOutputPort(name)
+        except (RuntimeError, TypeError) as error:
+            raise ValueError(f"there is no output port {name!r}: {error}") from error
+        return port.Eval(self.context)
+
+    def part(self, name: str) -> tuple[Any, Context]:
+        """Returns a system of the station, and its context.
+
+        Args:
+            name: Of the system, such as ``plant``.
+        """
+        system: Any = self.station.GetSubsystemByName(name)
+        return system, system.GetMyMutableContextFromRoot(self.context)
 
     def summary(self) -> dict[str, Any]:
         """Summarizes the run as plain numbers and text, ready for JSON."""
@@ -608,7 +729,7 @@ class AtlasSimulation:
 
     def _look(self) -> None:
         """Collects events."""
-        self._tell(self._log.look())
+        self._tell(self._log.look(self))
 
     def _tell(self, events: Iterable[Event]) -> None:
         """Hands events on, once all of them are kept."""

@@ -10,7 +10,7 @@ import copy
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydrake.systems.framework import Context
 
@@ -27,9 +27,12 @@ from atlas_drake.messages.event import (
     first_falls,
 )
 from atlas_drake.scenario import Scenario
-from atlas_drake.simulation.run_diagram import RunDiagram
-from atlas_drake.simulation.start import Variation
+from atlas_drake.simulation.beginning import Variation
+from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.tick_events import NO_MARKS
+
+if TYPE_CHECKING:
+    from atlas_drake.simulation import AtlasSimulation
 
 KEPT = 20_000
 """Number of messages and pushes that are kept: an hour of a walk by hand, and at most
@@ -72,15 +75,15 @@ class RunLog:
         beginning: How the robot began.
     """
 
-    def __init__(self, run: RunDiagram):
-        """Starts without events."""
+    def __init__(self, scenario: Scenario, schedule: Sequence[ScheduledCommand]):
+        """Starts without events; ``schedule`` has those of a scheduler."""
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
-        self.beginning = Beginning(0.0, run.scenario)
+        self.beginning = Beginning(0.0, scenario)
         self._done: deque[Done] = deque(maxlen=KEPT)
         self._done_since = 0  # Number of those since the beginning.
         self._published: frozenset[int] = frozenset()  # Messages since the last look.
-        self._run, self._sent = run, 0
+        self._schedule, self._sent = schedule, 0
         self._marks: Sequence[float] = NO_MARKS
 
     def copy(self) -> RunLog:
@@ -120,29 +123,28 @@ class RunLog:
         """
         self._published |= {number}
 
-    def look(self) -> list[Event]:
+    def look(self, sim: AtlasSimulation) -> list[Event]:
         """Adds and returns all events since the last look."""
-        run = self._run
-        sent = run.output("sent") if run.schedule else 0
+        sent = sim.output("sent") if self._schedule else 0
         fresh: list[Event] = [
             RunEvent(entry.time, "command", entry.text)
-            for entry in run.schedule[self._sent : sent]
+            for entry in self._schedule[self._sent : sent]
         ]
         self._sent = sent
-        recorder, context = run.part("tick_recorder")
+        recorder, context = sim.part("tick_recorder")
         events, self._marks = recorder.events_since(context, self._marks)
         self._note_done(events)
         fresh += (event for event in events if event.kind != MESSAGE)
         fresh.sort(key=lambda event: event.time)
         return self.note(*fresh)
 
-    def drop_schedule(self) -> list[Event]:
+    def drop_schedule(self, time: float) -> list[Event]:
         """Counts the schedule as told, and notes that the rest is dropped."""
-        left = len(self._run.schedule) - self._sent
+        left = len(self._schedule) - self._sent
         self._sent += left
         text = f"the rest of the schedule is dropped, {left} commands"
-        now = self._run.context.get_time()
-        return self.note(RunEvent(now, "schedule", text)) if left else []
+        event = RunEvent(time, "schedule", text)
+        return self.note(event) if left else []
 
     def _note_done(self, events: Sequence[Event]) -> None:
         for event in events:

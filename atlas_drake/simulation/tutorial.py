@@ -23,7 +23,9 @@ from atlas_drake.messages import (
     Quaternion,
     Vector3,
 )
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import ATLAS, Robot
+from atlas_drake.scenario import Scenario
 from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 
 FIRST_COMMAND = 2.0
@@ -263,3 +265,28 @@ def pose_message(X_WF: RigidTransform) -> Pose:
         position=Vector3.from_array(X_WF.translation()),
         orientation=Quaternion.from_wxyz(X_WF.rotation().ToQuaternion().wxyz()),
     )
+
+
+def scheduled(
+    scenario: Scenario, robot: Robot, catalog: BehaviorCatalog
+) -> tuple[ScheduledCommand, ...]:
+    """Returns the tutorial's and the scenario's own commands, in order of time.
+
+    Args:
+        scenario: Says whether the tutorial is played, and has messages.
+        robot: Of the scenario.
+        catalog: Its behaviors.
+    """
+    schedule = []
+    if scenario.schedule != "none":
+        literal = scenario.schedule == "tutorial_literal"
+        schedule = tutorial_schedule(robot, literal)
+    for index, entry in enumerate(scenario.messages):
+        message = entry.message(robot, f"messages[{index}]", catalog)
+        if isinstance(message, AtlasCommand):
+            kind = "joint command"
+        else:
+            kind = catalog.find(message.behavior, "behavior").name
+        text = entry.text or f"[{kind}]"
+        schedule.append(ScheduledCommand(entry.time, message, text))
+    return tuple(sorted(schedule, key=lambda entry: entry.time))

@@ -25,7 +25,7 @@ from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
-from atlas_drake.simulation.start import draw_variation
+from atlas_drake.simulation.beginning import draw_variation
 
 Figures = dict[str, Any]
 PIECE = 0.1

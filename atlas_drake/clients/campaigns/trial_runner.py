@@ -20,6 +20,7 @@ from typing import Any
 from atlas_drake.clients.campaigns.campaign import Campaign, unmet
 from atlas_drake.clients.campaigns.plan import Record, Trial, parameters_of, scenario_of
 from atlas_drake.clients.campaigns.shipped import METRICS, TRIALS, Figures
+from atlas_drake.clients.parts_file import parts_in, run_file
 from atlas_drake.clients.session import AtlasSimulation
 from atlas_drake.config import plain_number
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
@@ -27,7 +28,6 @@ from atlas_drake.records import TickRecord
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.differences import built_in_difference
-from atlas_drake.simulation.parts_file import parts_in, run_file
 from atlas_drake.simulation.sockets import add_listener, registered
 
 LISTENER = "metrics"

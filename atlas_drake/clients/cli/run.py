@@ -33,6 +33,7 @@ from atlas_drake.clients.cli.outputs import (
 )
 from atlas_drake.clients.cli.progress import Progress
 from atlas_drake.clients.film.file import check_film
+from atlas_drake.clients.parts_file import load_parts
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.viewer import interactive, keep_serving
 from atlas_drake.errors import ScenarioError
@@ -40,7 +41,6 @@ from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.messages.footstep import is_elsewhere
 from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
-from atlas_drake.simulation.parts_file import load_parts
 from atlas_drake.simulation.tutorial import DURATION
 
 if TYPE_CHECKING:

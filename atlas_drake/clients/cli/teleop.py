@@ -27,13 +27,13 @@ from atlas_drake.clients.cockpit.cockpit import Cockpit
 from atlas_drake.clients.cockpit.log_page import LogPage
 from atlas_drake.clients.film.replay import make_replay, make_replay_beside
 from atlas_drake.clients.logs import Log
+from atlas_drake.clients.parts_file import load_parts
 from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.viewer import interactive, open_on_desktop
 from atlas_drake.errors import AtlasError
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
-from atlas_drake.simulation.parts_file import load_parts
 
 BESIDE_PATH = "/atlas_drake/beside"
 """Where the 3D view has the robot of the second log."""
