@@ -1,35 +1,28 @@
 """Runs trials in child processes, whatever a trial does to its process.
 
-One machine and the workers of a cluster use the same ``Child``: a pebble pool of one
-process, which keeps the simulations that it has built. As no two children share a pool,
-none can die with a lock that another one waits for.
+One machine and the workers of a cluster use the same ``Child``, which keeps the
+simulations that it has built.
 """
 
 from __future__ import annotations
 
-import faulthandler
-import functools
 import multiprocessing
 import os
 import pickle
 import secrets
 import signal
-import tempfile
 import threading
 import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing import resource_tracker
-from multiprocessing.connection import wait
-from multiprocessing.context import SpawnContext
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
-from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
 from atlas_drake.clients.campaigns.campaign import Campaign
@@ -40,8 +33,8 @@ from atlas_drake.config import as_plain, checked
 
 STARTS = 2
 """When so many processes die in a trial, the trial is the cause."""
-GRACE = 0.5
-"""Time after the limit for the child to write where it is [s]."""
+_FRESH = multiprocessing.get_context("spawn")
+"""Starts processes that share no lock and no memory with this one."""
 
 Submit = Callable[[Trial], Future[bytes]]
 """Starts a trial elsewhere; the result is the line of its record."""
@@ -69,42 +62,13 @@ class Work:
         fields = pickle.dumps(as_plain(campaign))
         return cls(fields, campaign.trial_timeout, secrets.token_hex(8))
 
-
-# ---- in the parent -----------------------------------------------------------
-
-
-class _OneProcess(SpawnContext):
-    """A context of one process, with which a pool ends when its process does.
-
-    Of itself pebble replaces the process, and after an ``os._exit(0)`` waits for ever.
-    """
-
-    process: Any = None
-
-    def Process(self, *given: Any, **named: Any) -> Any:  # type: ignore[override]
-        """Makes the process, once."""
-        if self.process is not None:
-            raise OSError("the process has ended")
-        self.process = super().Process(*given, **named)
-        return self.process
-
-
-class _Pool(ProcessPool):
-    """A pool of one process, and the file for where the process was when it failed."""
-
-    def __init__(self) -> None:
-        # The child removes the file: even if both are killed, nothing remains.
-        number, path = tempfile.mkstemp(prefix="atlas_drake_")
-        self.trace = os.fdopen(number, errors="replace")
-        self.context = _OneProcess()
-        super().__init__(1, initializer=_begin, initargs=[path], context=self.context)
-
-    def end(self) -> str:
-        """Ends the process, whatever it does; returns where it was if it failed."""
-        self.stop()
-        self.join()
-        with self.trace:
-            return self.trace.read()
+    def runner(self) -> TrialRunner:
+        """Unpacks the campaign, and finds its functions."""
+        campaign = checked(Campaign, pickle.loads(self.campaign))
+        if self.folder is not None:
+            code = [str(Path(self.folder, Path(file).name)) for file in campaign.code]
+            campaign = replace(campaign, code=code)
+        return TrialRunner(campaign)
 
 
 class Child:
@@ -114,51 +78,63 @@ class Child:
         """Starts no process yet."""
         self.work = work
         self._lock = threading.Lock()
-        self._pool: _Pool | None = None
-        self._running: Any = None
+        self._process: Any = None
+        self._pipe: Any = None
         self._ended = False
 
     def run(self, trial: Trial) -> bytes:
-        """Runs a trial; returns the line of its record."""
-        limit, why = self.work.limit, ""
+        """Runs a trial; returns the line of its record.
+
+        Raises:
+            CancelledError: If the child has been ended.
+        """
+        why = ""
         for _ in range(STARTS):
-            pool = self._start(trial)
+            pipe = self._started()
             try:
-                line: bytes = self._running.result()
-            except TimeoutError:
-                why = f"{self._bury()}took longer than {limit:g} s"
-                break
-            except (ProcessExpired, BrokenProcessPool):
-                code = pool.context.process.exitcode
-                why = f"{self._bury()}the process died ({code})"
+                pipe.send(trial)
+                if pipe.poll(self.work.limit or None):
+                    line: bytes = pipe.recv_bytes()
+                    return line
+            except (EOFError, OSError):
+                why = f"the process died ({self._kill()})"
             else:
-                return line
+                self._kill()
+                why = f"took longer than {self.work.limit:g} s"
+                break
         return as_line(trial.record(error=why))
 
-    def _start(self, trial: Trial) -> _Pool:
-        limit = self.work.limit + GRACE if self.work.limit else None
+    def _started(self) -> Any:
+        """Returns this end of the pipe to the process, which runs from now on."""
         with self._lock:
             if self._ended:
                 raise CancelledError
-            if self._pool is not None and not self._pool.active:  # Killed while idle.
-                self._pool.end()
-                self._pool = None
-            self._pool = self._pool or _Pool()
-            self._running = self._pool.schedule(_call, (self.work, trial), {}, limit)
-            return self._pool
+            if self._process is None:
+                self._pipe, theirs = _FRESH.Pipe()
+                arguments = (theirs, self.work)
+                self._process = _FRESH.Process(
+                    target=_serve, args=arguments, daemon=True
+                )
+                self._process.start()
+                theirs.close()
+            return self._pipe
 
-    def _bury(self) -> str:
+    def _kill(self) -> int | None:
+        """Ends the process, whatever it does; returns its exit code."""
         with self._lock:
-            pool, self._pool = self._pool, None
-        return pool.end() if pool is not None else ""
+            process, self._process = self._process, None
+        if process is None:  # Another thread has ended it.
+            return None
+        process.kill()  # Without effect on one that has ended.
+        process.join()
+        code: int | None = process.exitcode
+        return code
 
     def end(self) -> None:
         """Ends the process, whatever it does, for good."""
         with self._lock:
             self._ended = True
-        if self._running is not None:
-            self._running.cancel()
-        self._bury()
+        self._kill()
 
 
 @contextmanager
@@ -193,18 +169,20 @@ def local_children(work: Work, jobs: int) -> Iterator[Submit]:
 
 # ---- in the child ------------------------------------------------------------
 
-_trace: int
-"""File descriptor for where the process was when it crashed, or at its time limit."""
 
-
-def _begin(trace: str) -> None:
-    """Prepares the process."""
-    global _trace  # noqa: PLW0603
+def _serve(pipe: Connection, work: Work) -> None:
+    """Answers each trial with the line of its record."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     threadpool_limits(1)
-    _trace = os.open(trace, os.O_WRONLY)
-    os.unlink(trace)
-    faulthandler.enable(_trace)
+    runner: TrialRunner | None = None
+    while True:
+        trial: Trial = pipe.recv()
+        try:
+            runner = runner or work.runner()
+            line = as_line(runner(trial))
+        except BaseException:  # A trial may even ask for the end of its process.
+            line = as_line(trial.record(error=traceback.format_exc()))
+        pipe.send_bytes(line)
 
 
 def _end_with_parent() -> None:
@@ -213,24 +191,3 @@ def _end_with_parent() -> None:
     assert parent is not None
     wait([parent.sentinel])
     os._exit(1)
-
-
-def _call(work: Work, trial: Trial) -> bytes:
-    """Runs a trial; at the limit a thread that needs no Python writes where it is."""
-    if work.limit:
-        faulthandler.dump_traceback_later(work.limit, file=_trace)
-    try:
-        return as_line(_runner(work)(trial))
-    except BaseException:
-        return as_line(trial.record(error=traceback.format_exc()))
-    finally:
-        faulthandler.cancel_dump_traceback_later()
-
-
-@functools.lru_cache(maxsize=1)
-def _runner(work: Work) -> TrialRunner:
-    campaign = checked(Campaign, pickle.loads(work.campaign))
-    if work.folder is not None:
-        code = [str(Path(work.folder, Path(file).name)) for file in campaign.code]
-        campaign = replace(campaign, code=code)
-    return TrialRunner(campaign)

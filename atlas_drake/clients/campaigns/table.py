@@ -15,7 +15,7 @@ from atlas_drake.errors import ScenarioError
 if TYPE_CHECKING:
     import pandas as pd
 
-PACKAGES = ("matplotlib", "pandas", "pebble", "pyarrow", "scipy")
+PACKAGES = ("matplotlib", "pandas", "pyarrow", "scipy")
 """Packages of the extra ``sweep``."""
 VALUES, FIGURES = "values.", "figures."
 """Prefixes of the table's columns of values that vary, and of figures."""

@@ -164,8 +164,6 @@ def test_a_trial_that_fails_in_any_way_is_a_line_of_its_own(
             assert ENDS[how] in last, how
         else:
             assert record["error"] is None
-    assert "in fail\n" in records[hows.index("hang")]["error"]
-    assert "in fail\n" in records[hows.index("crash")]["error"]
     # They are done: the same command runs none of them again.
     assert missing_trials(read_campaign(out), records) == []
 
