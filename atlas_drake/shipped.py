@@ -22,7 +22,7 @@ CONTROLLER = ControllerConfig().with_behaviors(BEHAVIORS)
 
 
 def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries of the user's own behaviors after checking every field.
+    """Returns the entries of the user's own behaviors after checking names and places.
 
     Raises:
         BehaviorError: Naming the entry and the field that cannot be used.

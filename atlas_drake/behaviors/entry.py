@@ -17,11 +17,9 @@ from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand, StandConfig
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
-    BehaviorError,
     BehaviorInterface,
 )
 from atlas_drake.planning.footholds import Gait
@@ -231,11 +229,6 @@ def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, s
         if isinstance(answer, str):
             if answer:
                 return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, answer
-        elif not isinstance(answer, BehaviorStatus):
-            raise BehaviorError(
-                f"a condition of {target.name} must return a reason in words or a "
-                f"BehaviorStatus, returned {shown(answer)}"
-            )
         elif answer is not BehaviorStatus.OK:
             return answer, ""
     return BehaviorStatus.OK, ""

@@ -5,10 +5,9 @@ Names, numbers and colors are checked in ``behavior_catalog``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import fields
 from keyword import iskeyword
-from typing import Any
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
@@ -20,71 +19,24 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 def checked_entries(
     behaviors: Iterable[BehaviorEntry], shipped: tuple[BehaviorEntry, ...]
 ) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries of the user's own behaviors after checking every field.
+    """Returns the entries of the user's own behaviors after checking names and places.
 
     Args:
         behaviors: The entries.
         shipped: Entries of the behaviors beside which they are.
     """
-    if not isinstance(behaviors, Iterable):
-        raise BehaviorError(
-            f"behaviors must be a list of BehaviorEntry values, is {shown(behaviors)}"
-        )
     own = tuple(behaviors)
-    for entry in own:
-        if not isinstance(entry, BehaviorEntry):
-            raise BehaviorError(
-                f"behaviors must be BehaviorEntry values, has {shown(entry)}"
-            )
+    if not all(isinstance(entry, BehaviorEntry) for entry in own):
+        raise BehaviorError(f"behaviors must be BehaviorEntry values, are {shown(own)}")
     catalog = BehaviorCatalog((*shipped, *own))
     names = [entry.name for entry in catalog]
     default = ControllerConfig().with_behaviors(shipped)
     kinds = {one.name: type(getattr(default, one.name)) for one in fields(default)}
     for entry in own:
-        _check_fields(entry)
         _check_configuration(entry, kinds)
         _check_parameters(entry)
         _check_transitions(entry, names)
     return own
-
-
-def _is_frozen_dataclass(value: object) -> bool:
-    declared = getattr(value, "__dataclass_params__", None)
-    return declared is not None and declared.frozen and not isinstance(value, type)
-
-
-_FIELDS: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "make": (callable, "callable with (tools, config)"),
-    "config": (
-        lambda value: value is None or _is_frozen_dataclass(value),
-        "an instance of a frozen dataclass",
-    ),
-    "config_field": (
-        lambda value: isinstance(value, str),
-        "the name of a field, or empty",
-    ),
-    "check": (
-        lambda value: value is None or callable(value),
-        "callable with (params, field)",
-    ),
-    "conditions": (
-        lambda value: isinstance(value, tuple) and all(map(callable, value)),
-        "a tuple of callables",
-    ),
-    "follows": (lambda value: isinstance(value, tuple), "a tuple of names"),
-    "leads_to": (lambda value: isinstance(value, tuple), "a tuple of names"),
-}
-"""Which values each field may have, and what it must be."""
-
-
-def _check_fields(entry: BehaviorEntry) -> None:
-    for field, (is_usable, requirement) in _FIELDS.items():
-        value = getattr(entry, field)
-        if not is_usable(value):
-            raise BehaviorError(
-                f"behavior {entry.name!r}: {field} must be {requirement}, is "
-                f"{shown(value)}"
-            )
 
 
 def _check_configuration(entry: BehaviorEntry, kinds: dict[str, type]) -> None:
@@ -109,15 +61,6 @@ def _check_parameters(entry: BehaviorEntry) -> None:
             f"behavior {entry.name!r}: params_field must be 'params', or a command's "
             f"field for these parameters, is {shown(entry.params_field)}"
         )
-    if entry.params is None:
-        return
-    try:
-        entry.params()
-    except Exception as error:  # The user's own class may raise any error.
-        raise BehaviorError(
-            f"behavior {entry.name!r}: {entry.params.__name__}() fails with "
-            f"{type(error).__name__}: {error}; all its fields need defaults"
-        ) from error
 
 
 def _check_transitions(entry: BehaviorEntry, names: list[str]) -> None:

@@ -12,8 +12,8 @@ from typing import TypeVar
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation
+from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
     BehaviorEntry,
@@ -34,10 +34,9 @@ from atlas_drake.behaviors.supervisor_state import (
 from atlas_drake.control.balance.foothold import Foothold
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import ErrorCode, shown
+from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
-from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, Event
@@ -129,6 +128,19 @@ class Supervisor:
             active = Waiting(Behavior.WALK, request, active.body)
             by_itself = BehaviorStatus.WARNING_AUTO_TRANS
             state = self._change(state, observation, active, by_itself)
+        try:
+            return self._act(state, active, observation)
+        except Exception as error:
+            error.add_note(f"in the behavior {active.behavior.name}")
+            raise
+
+    def _act(
+        self,
+        state: SupervisorState,
+        active: Waiting | Running,
+        observation: Observation,
+    ) -> tuple[SupervisorState, WholeBodyCommand | None]:
+        """Lets the active behavior act, which is entered if it waits."""
         behavior = self.behaviors[active.behavior]
         if isinstance(active, Waiting):
             entered = behavior.enter(observation, active.body, active.request)
@@ -144,7 +156,6 @@ class Supervisor:
             active.request,
             leaving=state.desired != active.behavior,
         )
-        _check_outcome(outcome, active.behavior)
         active = replace(
             active,
             state=read_only(outcome.state, active.state),
@@ -155,7 +166,7 @@ class Supervisor:
         if outcome.landing is not None:
             foot, ground = outcome.landing
             landed = Foothold(ground)
-            left, right = footholds
+            left, right = state.footholds
             footholds = (landed, right) if foot == LEFT else (left, landed)
             state = replace(state, footholds=read_only(footholds))
         for event in outcome.events:
@@ -218,8 +229,7 @@ class Supervisor:
         if active.state is None:
             return empty
         plan = getattr(self.behaviors[active.behavior], method)
-        planned = plan(active.state, com, omega)
-        _check_type(f"{method} of {active.behavior.name}", planned, type(empty))
+        planned: _Planned = plan(active.state, com, omega)
         return planned
 
     # ---- transitions ---------------------------------------------------------
@@ -347,45 +357,16 @@ class Supervisor:
 def _made(
     entry: BehaviorEntry, tools: BehaviorTools, config: ControllerConfig
 ) -> BehaviorProtocol:
-    """Makes the behavior of an entry, and refuses what is no behavior."""
+    """Makes the behavior of an entry."""
     own = entry.config
     if own is not None:
         own = getattr(config, entry.configured_at, own)
-    behavior = entry.make(tools, own)
-    for name in ("enter", "update", "feedback", "plan", "paths"):
-        if not callable(getattr(behavior, name, None)):
-            raise BehaviorError(
-                f"behavior {entry.name!r}: make must return a behavior, but what it "
-                f"returned has no method {name}: {shown(behavior)}"
-            )
-    return behavior
+    try:
+        return entry.make(tools, own)
+    except Exception as error:
+        error.add_note(f"as the behavior {entry.name} is made")
+        raise
 
 
-def _check_type(name: str, answer: object, *kinds: type) -> None:
-    """Refuses what a user's own behavior returned, if it is of another type."""
-    if not isinstance(answer, kinds):
-        raise BehaviorError(
-            f"{name} must be {' or '.join(kind.__name__ for kind in kinds)}, "
-            f"is {shown(answer)}"
-        )
-
-
-def _check_outcome(outcome: object, behavior: Behavior) -> None:
-    """Raises BehaviorError unless an update returned a valid outcome."""
-    _check_type(f"the outcome of update of {behavior.name}", outcome, Outcome)
-    where = f"in the Outcome of {behavior.name}"
-    for name, kinds in _OUTCOME.items():
-        _check_type(f"{name} {where}", getattr(outcome, name), *kinds)
-    for event in outcome.events:  # type: ignore[attr-defined]
-        _check_type(f"events {where}", event, Event)
-
-
-_OUTCOME = {
-    "body": (BodyReference,),
-    "command": (WholeBodyCommand, type(None)),
-    "status_flags": (int, np.integer),
-    "events": (tuple, list),
-}
-"""Types of an outcome's fields; ``finished`` may have any type."""
 _SUBSTATES = 7
 """Bits of a behavior's flags for its present substate, which are not latched."""
