@@ -12,11 +12,16 @@ from atlas_drake.behaviors.entries import FREEZE, NONE, STAND, STAND_PREP, USER,
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import checked_entries
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.parts.manipulate.entry import MANIPULATE
 from atlas_drake.parts.step.entry import STEP
 
-BEHAVIORS = (NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER)
+BEHAVIORS = checked_entries(
+    (NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER), ()
+)
 """Their entries, in the order of display."""
+CATALOG = BehaviorCatalog(BEHAVIORS)
+"""For commands and viewers."""
 CONTROLLER = ControllerConfig().with_behaviors(BEHAVIORS)
 """Defaults of the controller, for a robot of Atlas' size."""
 

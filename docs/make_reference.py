@@ -26,10 +26,11 @@ from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.robot import file as robot_file
 from atlas_drake.robot import leg as robot_leg
 from atlas_drake.scenario import Scenario
-from atlas_drake.shipped import BEHAVIORS, CONTROLLER
+from atlas_drake.shipped import BEHAVIORS, CATALOG, CONTROLLER
 
+_BEHAVIORS = {entry.name: entry.behavior for entry in BEHAVIORS}
 _LEGAL = {
-    Behavior[source]: frozenset(map(Behavior.__getitem__, targets))
+    _BEHAVIORS[source]: frozenset(map(_BEHAVIORS.__getitem__, targets))
     for source, targets in legal_transitions(BEHAVIORS).items()
 }
 NOTE = "*Written by `docs/make_reference.py` from the code; changes belong there.*"
@@ -96,12 +97,12 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
         implementation = implementation.behavior
     module = sys.modules[type(implementation).__module__]
     legal = _LEGAL
-    before = [b.name for b in Behavior if behavior in legal.get(b, ())]
-    after = [b.name for b in Behavior if b in legal.get(behavior, ())]
+    before = [b.name for b in legal if behavior in legal[b]]
+    after = [b.name for b in legal if b in legal[behavior]]
     told = source_docs.trailing_strings(Behavior)
     parts = [
         f"# {behavior.name} ({behavior.value})",
-        told[behavior.name],
+        told.get(behavior.name) or CATALOG.entry(behavior).description,
         source_docs.paragraphs(module.__doc__),
         f"**Can follow:** {', '.join(before)}.",
         f"**Can be followed by:** {', '.join(after)}.",
@@ -139,11 +140,11 @@ def transitions_page() -> str:
     rows = [
         (
             f"**{source.name}**",
-            *("yes" if target in _LEGAL[source] else "" for target in Behavior),
+            *("yes" if target in _LEGAL[source] else "" for target in _LEGAL),
         )
-        for source in Behavior
+        for source in _LEGAL
     ]
-    header = ("from \\ to", *(b.name for b in Behavior))
+    header = ("from \\ to", *(b.name for b in _LEGAL))
     parts = [
         "# Transitions",
         "Which behavior may follow which, by request.",

@@ -36,8 +36,8 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     return BehaviorStatus.OK
 
 
-def _stand(tools: BehaviorTools, config: StandConfig) -> BehaviorProtocol:
-    return tools.stand(config=config)
+def _stand(tools: BehaviorTools, _config: StandConfig) -> BehaviorProtocol:
+    return tools.stand()
 
 
 _UNBALANCED = {

@@ -51,6 +51,7 @@ class BehaviorTools:
         entry_limits: Conditions under which STAND can take over.
         freeze: The behavior that holds the pose.
         gait: Gait of demonstrations.
+        stand_config: Parameters of STAND.
     """
 
     model: WholeBodyModel
@@ -60,25 +61,26 @@ class BehaviorTools:
     entry_limits: EntryLimits
     freeze: Freeze
     gait: Gait
+    stand_config: StandConfig
 
     @property
     def robot(self) -> Robot:
         """Description of the robot."""
         return self.model.robot
 
-    def stand(
-        self, pose: Pose | None = None, config: StandConfig | None = None
-    ) -> StanceGuard:
+    def stand(self, pose: Pose | None = None) -> StanceGuard:
         """Returns STAND, whose target of trunk and posture ``pose`` changes.
 
         The stance guard holds the pose while the user controls both legs.
 
         Args:
             pose: Returns the target from (upright, observation, request, leaving), at
-                each tick.
-            config: Parameters; None for the defaults.
+                each tick. When STAND is requested, it goes on only until the trunk is
+                as upright as STAND has it: STAND brings height and joints home.
         """
-        stand = Stand(self.balance, self.nominal_height, self.rates, config, pose)
+        stand = Stand(
+            self.balance, self.nominal_height, self.rates, self.stand_config, pose
+        )
         return self.guarded(stand)
 
     def guarded(self, behavior: BehaviorProtocol) -> StanceGuard:

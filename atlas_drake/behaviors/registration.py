@@ -1,4 +1,4 @@
-"""Checks the entries of the user's own behaviors before the behaviors are built.
+"""Checks the entries of behaviors before the behaviors are built.
 
 Names, numbers and colors are checked in ``behavior_catalog``.
 """
@@ -6,7 +6,7 @@ Names, numbers and colors are checked in ``behavior_catalog``.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from keyword import iskeyword
 
 from atlas_drake.behaviors.config import ControllerConfig
@@ -19,15 +19,16 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 def checked_entries(
     behaviors: Iterable[BehaviorEntry], shipped: tuple[BehaviorEntry, ...]
 ) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries of the user's own behaviors after checking names and places.
+    """Returns entries of behaviors after checking names and places.
 
     Args:
         behaviors: The entries.
         shipped: Entries of the behaviors beside which they are.
     """
-    own = tuple(behaviors)
+    own = tuple(behaviors) if isinstance(behaviors, Iterable) else (behaviors,)
     if not all(isinstance(entry, BehaviorEntry) for entry in own):
-        raise BehaviorError(f"behaviors must be BehaviorEntry values, are {shown(own)}")
+        problem = "must be a list of BehaviorEntry values"
+        raise BehaviorError(f"behaviors {problem}, is {shown(behaviors)}")
     catalog = BehaviorCatalog((*shipped, *own))
     names = [entry.name for entry in catalog]
     default = ControllerConfig().with_behaviors(shipped)
@@ -43,6 +44,11 @@ def _check_configuration(entry: BehaviorEntry, kinds: dict[str, type]) -> None:
     """Checks where the configuration stands, and adds it to the ``kinds`` in use."""
     if entry.config is None:
         return
+    if isinstance(entry.config, type) or not is_dataclass(entry.config):
+        raise BehaviorError(
+            f"behavior {entry.name!r}: config must be an instance of a frozen "
+            f"dataclass, is {shown(entry.config)}"
+        )
     place, kind = entry.configured_at, type(entry.config)
     usable = place.isidentifier() and not iskeyword(place)
     usable = usable and not hasattr(ControllerConfig, place)

@@ -73,6 +73,7 @@ class Supervisor:
             config.entry,
             Freeze(balance, config.freeze),
             config.gait(),
+            config.stand,
         )
         self._recovery = Recovery(balance, config.stand)
         self._fall_limits = config.fall

@@ -197,7 +197,9 @@ SHIPPED = BehaviorCatalog(
             color=color,
             description=description,
             params=_PARAMS.get(behavior),
-            params_field=f"{behavior.name.lower()}_params",
+            params_field=f"{behavior.name.lower()}_params"
+            if behavior in _PARAMS
+            else "params",
         )
         for behavior, color, description in (
             (Behavior.NONE, "#9e9e9e", "No behavior, controls disabled."),

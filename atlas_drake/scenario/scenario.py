@@ -32,7 +32,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.messages import Behavior
-from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.parts.estimation.leg_odometry import OdometryTuning
 from atlas_drake.parts.gantry.gantry import GantryGains
 from atlas_drake.robot import (
@@ -51,7 +51,7 @@ from atlas_drake.scenario.physics import (
     plant_config,
 )
 from atlas_drake.scenario.timed_message import TimedMessage
-from atlas_drake.shipped import BEHAVIORS
+from atlas_drake.shipped import BEHAVIORS, CATALOG
 from atlas_drake.systems.pushes import PlannedPush
 from atlas_drake.systems.sensor_noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.units import (
@@ -356,7 +356,7 @@ class Scenario(CheckedOnce):
 
 
 def starting_behavior(
-    value: object, name: str, catalog: BehaviorCatalog = SHIPPED
+    value: object, name: str, catalog: BehaviorCatalog = CATALOG
 ) -> Behavior:
     """Finds a behavior that a run can start in; ``name`` names its field in errors."""
     behavior = catalog.find(value, name)

@@ -20,9 +20,10 @@ from atlas_drake.messages import (
     accept,
 )
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.records.plain import message_from
 from atlas_drake.robot import Robot
+from atlas_drake.shipped import CATALOG
 from atlas_drake.units import Seconds
 
 _KINDS: dict[str, type[Message]] = {
@@ -59,7 +60,7 @@ class TimedMessage(Configuration):
         self,
         robot: Robot,
         path: str,
-        catalog: BehaviorCatalog = SHIPPED,
+        catalog: BehaviorCatalog = CATALOG,
     ) -> AtlasCommand | AtlasSimInterfaceCommand:
         """Returns the message for a robot; ``path`` is its place in the scenario."""
         made = self._made(robot.num_joints, path)

@@ -14,6 +14,7 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry import BehaviorTools, EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import replace
@@ -52,7 +53,14 @@ def make_tools(model, balance):
     """Makes what behaviors are built from, for a height of the center of mass [m]."""
     freeze = Freeze(balance)
     return lambda height: BehaviorTools(
-        model, balance, height, BodyRates(), EntryLimits(), freeze, Gait()
+        model,
+        balance,
+        height,
+        BodyRates(),
+        EntryLimits(),
+        freeze,
+        Gait(),
+        StandConfig(),
     )
 
 

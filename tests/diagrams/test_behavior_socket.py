@@ -267,6 +267,14 @@ def test_its_configuration_is_where_those_of_shipped_behaviors_are(tmp_path):
     assert told[1:] == [RestConfig(depth=0.3, name="short")]
 
 
+def test_a_composed_stand_has_the_parameters_of_stand(bow):
+    told = []
+    entry = replace(bow, make=lambda tools, _: told.append(tools) or tools.stand())
+    scenario = with_settings(Scenario(), ["controller.stand.com_speed=0.07"])
+    AtlasSimulation(scenario, behaviors=[entry])
+    assert told[0].stand_config.com_speed == 0.07
+
+
 def test_two_behaviors_can_share_a_configuration():
     told = []
     march = replace(
@@ -310,6 +318,7 @@ def test_a_users_behavior_is_one_object_and_no_member_of_the_enum():
         ({"color": "red"}, "color"),
         ({"params": 3}, "params"),
         ({"leads_to": ("STNAD",)}, "leads_to.*STAND"),
+        ({"config": RestConfig}, "config"),
         ({"config": RestConfig(), "config_field": "walk"}, "config_field|'walk'"),
         ({"params_field": "walk_params"}, "params_field|walk_params|parameters"),
     ],
@@ -320,7 +329,7 @@ def test_an_entry_with_a_field_that_cannot_be_used_is_refused(bow, changes, word
         AtlasSimulation(behaviors=[bow, entry])
 
 
-@pytest.mark.parametrize("behaviors", [[42], [BehaviorEntry]])
+@pytest.mark.parametrize("behaviors", [None, [42], [BehaviorEntry]])
 def test_behaviors_must_be_entries(behaviors):
     with pytest.raises(BehaviorError, match="behaviors must be"):
         AtlasSimulation(behaviors=behaviors)

@@ -61,7 +61,7 @@ def test_a_file_brings_its_parts(parts, scenario, tmp_path):
         ("1 / 0", "failed: ZeroDivisionError"),
         ("x = 1", "defines none of controller, behaviors, world, extend"),
         ("controller = 3", "controller must be a System or a callable"),
-        ("behaviors = [3]", "must be BehaviorEntry values"),
+        ("behaviors = [3]", "must be a list of BehaviorEntry values"),
         ("extend = 3", "extend must be a callable"),
         ("world = 3", "world must be a list"),
         ("behaviors = None", "must be a list of BehaviorEntry values"),
