@@ -9,7 +9,7 @@ all accelerations are equal. So each parameter scales as its unit says:
 
 and a weight of the QP, per squared unit of a task, keeps what the task costs. What the
 soles bound scales with the soles. A robot of Atlas' proportions needs no value of its
-own; what a robot's file says goes before.
+own. Values of a robot's file replace scaled ones.
 """
 
 from __future__ import annotations

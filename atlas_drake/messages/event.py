@@ -41,9 +41,9 @@ FOOTSTEP_DATA = (
     "error_m",
     "error_rad",
 )
-"""Least data of such an event, for displays, figures and summary.
+"""Data that each such event has, for displays, figures and summary.
 
-That is 0 or 1 for the left or right foot; x, y [m] and yaw [rad] of the sole as
+It is 0 or 1 for the left or right foot; x, y [m] and yaw [rad] of the sole as
 commanded, as saturated and as landed; the landed height [m]; the landing error in
 position [m] and in heading [rad].
 """

@@ -137,7 +137,7 @@ def check_stand_prep(
         problem = "the first foot is not to the left of the second one; exchange them"
         raise RobotDescriptionError("feet", file.feet[0].body, problem)
 
-    # Of a level sole the cosine may be a little more than 1.
+    # Rounding may bring the cosine of a level sole above 1.
     lean = min(float(sole.rotation().matrix()[2, 2]) for sole in soles)
     tilt = float(np.arccos(min(lean, 1.0)))
     apart = float(abs(left[2] - right[2]))

@@ -147,7 +147,7 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
     p_PT, thigh, shank, ankle = _side_view(axes, points, hip_pitch, ankle_pitch)
     p_FA = sole.inverse().multiply(ankle)
     if planar:
-        # The same places; read off the layout they have no rounding.
+        # The layout gives the same places without rounding.
         p_PT, p_FA = planar.p_PT, points[5] - sole.translation()
     beyond = [plant.GetBodiesKinematicallyAffectedBy([j.index()]) for j in joints]
     masses = [

@@ -37,7 +37,7 @@ DEFAULT_ROBOT = "atlas"
 IMPORTED = "robot"
 """Name of an import's YAML file without its ending; its folder has the robot's name."""
 _ENDINGS = (".yaml", ".yml")
-"""Endings by which a path is told from a name."""
+"""Endings of paths; names have none."""
 
 
 def available_robots() -> list[str]:

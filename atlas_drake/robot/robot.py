@@ -92,7 +92,7 @@ class Size:
 
 
 ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
-"""Atlas, whose values are the defaults; it stands narrower than in its pose."""
+"""Atlas, whose values are the defaults. Its stance is narrower than its pose."""
 
 
 @dataclass(frozen=True, eq=False)

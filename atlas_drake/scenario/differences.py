@@ -79,7 +79,7 @@ def usual_of(scenario: Scenario) -> dict[str, Any]:
 
 
 def _difference(value: Any, usual: Any) -> Any:
-    """Returns what differs: within mappings what is below, or else all."""
+    """Returns what differs: of mappings the entries that do, of others the value."""
     if not (isinstance(value, Mapping) and isinstance(usual, Mapping)):
         return value
     return {

@@ -1,7 +1,7 @@
 """Writes down what was done in a run, as a scenario that does it again.
 
-A scenario's message acts on behaviors from the tick of control after its time on, and
-joints hear it at once. A message by hand is therefore written with the last tick before
+A scenario's message acts on behaviors from the control tick after its time on, and on
+joints at its time. A message by hand is therefore written with the last tick before
 it, and acts on behaviors with the same bits, on joints up to a tick earlier. Of several
 messages of one instant each but the first acts a tick later. A push at a tick has the
 same bits, too; one between two ticks is spread over all of that tick.
@@ -32,8 +32,8 @@ _SAME_TICK = 1e-6
 def scenario_of_what_was_done(sim: AtlasSimulation) -> Scenario:
     """Returns the scenario of a run in which the same is done until now.
 
-    It begins with the tick of the last reset. What was sent right then needs a tick
-    before it, by which all comes later. Messages and pushes of a schedule are among
+    It begins with the tick of the last reset, or one tick before, if something was sent
+    at that tick. Messages and pushes of a schedule are among
     those that were done.
 
     Raises:

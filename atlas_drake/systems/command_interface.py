@@ -32,8 +32,8 @@ class CommandInterface(CollectableSystem):
 
     A message counts once while its content stays the same; to repeat a message, a
     sender changes the header's stamp. A sender may change its message and send it
-    again. A message that stays on the port costs least if it is frozen, as the one that
-    ``accept`` returns, because it is not looked at again.
+    again. A frozen message, such as ``accept`` returns, may stay on the port at no
+    cost: it cannot have changed.
 
     Output ports:
         commands: ``ActiveCommand``; a new message is in force as soon as it is on the

@@ -28,7 +28,7 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 @dataclass(frozen=True)
 class PreparedLaw(Frozen):
-    """The law for a command and an integral, as it changes seldom."""
+    """The law of a command and an integral, kept because both change seldom."""
 
     source: JointCommand
     command: JointCommand  # ``source`` ``within_limits`` of the joints.

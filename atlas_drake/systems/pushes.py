@@ -53,10 +53,10 @@ class PlannedPush(Configuration):
     count: Annotated[int, Ge(1)] = 1
     """Begins at the count-th such event of the run, from 1."""
     fraction: NotNegative[Ratio] = 0.0
-    """Of the time from that event to the next touchdown, as the behavior plans it then
-    (``t_step_rem``), that passes before the push begins."""
+    """Share of the time to the planned touchdown (``t_step_rem`` at that event) after
+    which the push begins."""
     delay: NotNegative[Seconds] = 0.0
-    """Time that passes besides."""
+    """Time after that at which the push begins."""
 
     def check(self) -> None:
         """Checks the force, and that one beginning is given."""

@@ -82,9 +82,9 @@ class RecordInputs:
 class RecordListener(CollectableSystem):
     """Calls a function with the record of every control tick.
 
-    A publish event hands a record on one tick later, as for all output from a diagram.
-    Which record came last is kept in this object and not in a Context, because it
-    belongs to whoever listens. Input ports are those of ``RecordInputs``.
+    A record is handed on one tick later, by a publish event. This object remembers the
+    last one, and no Context does, because the memory belongs to the listener. Input
+    ports are those of ``RecordInputs``.
     """
 
     __slots__ = ()
@@ -108,7 +108,7 @@ class RecordListener(CollectableSystem):
     def flush(self, context: Context) -> None:
         """Hands on the latest record, unless it was handed on already."""
         now = context.get_time()
-        if now == 0.0:  # No tick has been, and a run must not fail before it begins.
+        if now == 0.0:  # There is no record before the first tick.
             return
         record = self.inputs.record(context)
         # Before the first tick after a reset a record describes the present.

@@ -158,7 +158,7 @@ def world_from(given: Any, present: World | None = None) -> World:
         problem = "must be a world's name, the path of its file, or fields"
         raise ScenarioError.about("world", given, problem)
     base = World() if present is None else present
-    # A log has all fields: such a world does not need the file that it came from.
+    # A world from a log has all fields, so that its file is not needed.
     if "name" in given and not {one.name for one in fields(World)} <= set(given):
         name = given["name"]
         if not isinstance(name, str | Path):

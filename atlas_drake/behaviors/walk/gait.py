@@ -154,9 +154,9 @@ def capture_step(
     Of the ``free`` feet the one that gets nearer to that point steps. The CoP r is the
     point of the other sole that is nearest to the DCM. The time T is that of a quick
     swing, though balance may hasten it: the robot stops more surely behind a long step.
-    Sideways, where the DCM goes away from the stance foot in any case, that holds only
-    for a robot that moves sideways as fast as ahead or back; else T is that of the
-    fastest swing. It is so, too, in a walk that ``goes_on``.
+    Sideways the DCM leaves the stance foot in any case. There T is that of the fastest
+    swing, unless the robot moves sideways as fast as ahead or back. In a walk that
+    ``goes_on`` T is always that of the fastest swing.
     """
     duration = config.limits.duration.least
     fast = math.exp(omega * config.adjustment.shortest_swing)

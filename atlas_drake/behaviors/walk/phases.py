@@ -177,7 +177,7 @@ class WalkSwing(WalkPhase):
         return self.step
 
     def lowers(self, profile: swing_foot.SwingProfile) -> bool:
-        """Returns True unless it is too early to sink toward a landing further down."""
+        """Returns True once the foot may sink to a landing that is further down."""
         return self.motion.progress >= 1.0 - profile.climb_share
 
     @property

@@ -273,8 +273,8 @@ class WalkPlanner:
         """Makes the phase after a touchdown ``early`` by [s]: transfer or settling.
 
         The foot landed with a pitch of ``landed`` [rad]. After a swing that ``stops``
-        the DCM is near the middle of the feet: steps that came too late for its plan
-        need a shift of the weight, as from rest.
+        the DCM is near the middle of the feet. Steps that came too late for that plan
+        begin with a shift of the weight, as from rest.
         """
         coming = self.coming(progress)
         if not coming or stops:

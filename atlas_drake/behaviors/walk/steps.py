@@ -112,7 +112,7 @@ def look_ahead(
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
         goal = resolve_height(step, stance, limits)
-        # A brick under the stance foot is no other level: ground that the steps know.
+        # The steps know the ground: a brick under the stance foot changes no level.
         known = stance if step.relative else aims[1 - step.foot]
         change = float(goal.p_WF[2] - known.p_WF[2])
         taken = saturate(goal, stance, firm)

@@ -1,6 +1,6 @@
 """Who has which joint, and where the user's joints go.
 
-The reports may be up to 0.1 s old; what was commanded since then counts already.
+The reports may be up to 0.1 s old. What was commanded since then is taken as done.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ STAND_PREP = "STAND_PREP"
 LONGEST_NAME = 40
 """Letters of a pose's name."""
 SHOWN_WITHIN = 3
-"""Number of reports within which a command shows: one may have been under way."""
+"""Number of reports after which a command must show; the first may be older."""
 
 
 @dataclass(frozen=True, eq=False)

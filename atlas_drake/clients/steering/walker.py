@@ -49,7 +49,7 @@ class Walker:
     ) -> None:
         """Begins without a walk."""
         self._gait, self._publish, self._report = gait, publish, report
-        self._is_news = True  # False once the report and the requests were met.
+        self._is_news = True  # Whether a report or a request is still to be answered.
         self._plan: tuple[AtlasBehaviorStepData, ...] = ()
         self._stream: StepStream | None
         self._direction: Direction | None
@@ -230,7 +230,7 @@ class Walker:
         if self._direction is not None:
             return walk_at(report, *_velocity(self._direction, self._gait), self._gait)
         if report.current_behavior != Behavior.WALK and not self._is_sent:
-            self.forget_walk()  # One that was sent is about to begin, and ends then.
+            self.forget_walk()  # Nothing was sent that could still begin.
         return stop_walking(report, self._gait)
 
     def _is_refused(self) -> bool:

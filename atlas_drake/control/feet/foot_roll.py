@@ -59,8 +59,8 @@ class FootRoll(Configuration):
     ) -> float:
         """Computes the pitch of the leading sole at touchdown [rad].
 
-        The walk has to go ``onward`` to land on the heel: to stop, the CoP must reach
-        the toes.
+        Only a walk that goes ``onward`` lands on the heel; one that stops needs the CoP
+        at the toes.
         """
         down = self._up(landing, stance)
         if down or onward is None:

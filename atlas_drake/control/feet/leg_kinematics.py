@@ -81,8 +81,8 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
 
 
 HALVINGS = 9
-"""Halvings of the range in which the lowest position is searched: of Atlas it is exact
-to a millimetre."""
+"""Halvings of the range in the search for the lowest position; for Atlas exact to a
+millimetre."""
 
 
 def leg_length(leg: Leg, knee: float) -> float:

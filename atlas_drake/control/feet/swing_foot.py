@@ -34,8 +34,8 @@ from atlas_drake.units import (
 )
 
 _LONGEST_LIFT = 0.1
-"""Greatest share of a swing without horizontal motion on level ground: keeps time for
-the way of a hastened one [-]."""
+"""Greatest share of a swing without horizontal motion on level ground; the rest is the
+time of a hastened swing for its way [-]."""
 
 STRAIGHT = read_only(np.zeros(2))
 """Displacement of a way that need not go around the other leg [m]."""

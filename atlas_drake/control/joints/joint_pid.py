@@ -86,7 +86,7 @@ def step_damping(command: JointCommand, step: float) -> np.ndarray:
 def motor_law(command: JointCommand, integral: np.ndarray, step: float) -> MotorLaw:
     """Returns the law as a motor of Drake's takes it, which has the spring at q⁺.
 
-    A spring at q⁺ is one at q and a damping of h·kp, which D contains.
+    A spring at q⁺ acts as a spring at q with a damping of h·kp; D contains that.
     """
     share, kp = command.share, command.kp_position
     law = MotorLaw(

@@ -24,8 +24,8 @@ nearly the same for all robots."""
 _BISECTIONS = 10
 """Halvings between a feasible and a commanded value: exact to 0.1 % of the distance."""
 _HEIGHTS = 36
-"""Heights in the range below the stand-prep pose among which that is searched which a
-wide stance allows: of Atlas they are a centimetre apart."""
+"""Heights below the stand-prep pose at which the search for a wide stance tries the
+legs; a centimetre apart for Atlas."""
 
 
 @dataclass(frozen=True)
