@@ -73,14 +73,31 @@ class ActionRules(Configuration):
     usual: ActionValues = field(default_factory=ActionValues)
     """Values that a message leaves open."""
     least: ActionValues = field(
-        default_factory=lambda: ActionValues(0.0, 0.2, 0.1, 0.1, 0.3, 0.0, 0.0, 0.0)
+        default_factory=lambda: ActionValues(
+            step_duration=0.0,
+            sway_duration=0.2,
+            swing_height=0.1,
+            lift_height=0.1,
+            knee_nominal=0.3,
+            max_body_accel=0.0,
+            max_foot_vel=0.0,
+            sway_end_dist=0.0,
+        )
     )
     """A value below this is ignored, as are all others at 0 or below."""
     ignored_end_dist: NotNegative[Meters] = 0.05
     """End distances beyond this are ignored."""
     most: ActionValues = field(
         default_factory=lambda: ActionValues(
-            20.0, 20.0, 0.20, 0.25, 1.0, 1.0, 1.0, 0.03, 0.03
+            step_duration=20.0,
+            sway_duration=20.0,
+            swing_height=0.20,
+            lift_height=0.25,
+            knee_nominal=1.0,
+            max_body_accel=1.0,
+            max_foot_vel=1.0,
+            sway_end_dist=0.03,
+            step_end_dist=0.03,
         )
     )
     """Values to which those of a message are clamped; ± for the end distances."""
