@@ -75,6 +75,7 @@ def within_ranges(
         width=LeastGreatest(
             _nearest(width, limits.width.least, clears), max(width, carried * widest)
         ),
+        passing=_nearest(width, 0.0, clears),
         forward=carried * limits.forward,
         backward=carried
         * _nearest(0.0, limits.backward, lambda far: reach(-far, width)),

@@ -78,6 +78,12 @@ def test_weak_knees_carry_shorter_and_narrower_steps(robot, limits):
     assert weakest.width.greatest == robot.stance_width
 
 
+def test_feet_pass_each_other_nearer_than_they_step():
+    limits = Scenario(model=HERON).controller_config().walk.limits
+    sole = load_robot(HERON).file.sole
+    assert sole.width < limits.passing < 1.4 * sole.width
+
+
 def test_limits_of_a_scaled_robot_are_within_its_ranges():
     config, robot = Scenario(model=HERON).controller_config(), load_robot(HERON)
     found = ranges(config.walk.limits, robot)
@@ -103,6 +109,7 @@ def test_legs_pass_each_other_at_all_widths_of_a_walk(tmp_path):
     limits, width = config.walk.limits, config.gait().stance_width
     apart = 0.16 + CLEARANCE * robot.com_height
     assert limits.width.least == pytest.approx(apart, abs=0.002)
+    assert limits.passing == pytest.approx(apart, abs=0.002)
     # With feet side by side one may turn inward, and as far outward as it may.
     assert width > max(apart, robot.stance_width)
     clears = leg_clearance(robot)
@@ -115,4 +122,5 @@ def test_legs_of_the_projects_robots_pass_each_other(model):
     clears = leg_clearance(load_robot(model))
     config = Scenario(model=model).controller_config()
     assert clears(config.walk.limits.width.least)
+    assert clears(config.walk.limits.passing)
     assert clears(config.gait().stance_width, -config.walk.limits.toe_in)

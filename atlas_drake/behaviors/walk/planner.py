@@ -63,7 +63,7 @@ class WalkPlanner:
         self._pendulum = pendulum
         self._config = config
         self._half_length = balance.robot.file.sole.length / 2
-        self._least_width = config.limits.width.least
+        self._passing = config.limits.passing
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -222,7 +222,7 @@ class WalkPlanner:
             self._half_length,
             pitch,
             self._landing_pitch(stance, coming),
-            way_around(step, start, stance, self._least_width, 2.0 * self._half_length),
+            way_around(step, start, stance, self._passing, 2.0 * self._half_length),
         )
         return WalkSwing(
             stops=len(coming) == 1,

@@ -45,6 +45,8 @@ class StepLimits(Configuration):
     """Longest step back."""
     width: Annotated[Range, Unit("m")] = LeastGreatest(0.18, 0.50)
     """Lateral distance between the feet, center to center."""
+    passing: NotNegative[Meters] = 0.167
+    """Lateral distance at which a foot passes the other leg without touching it."""
     reach: Positive[Meters] = 0.70
     """Longest distance between the feet; a wide step leads less far ahead."""
     rise: NotNegative[Meters] = 0.10
