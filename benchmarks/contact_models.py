@@ -13,12 +13,11 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 
 from contact_trials import DIRECTIONS, INCREMENT, PARTS, Trial, run_trial
 from disturbed import Physics, disturbed_simulation, fresh_seed, robots_at_hand
-from pebble import ProcessPool
 from realtime import PIECE, BarePlant
 from report import command_line, write_figures
 
@@ -153,14 +152,14 @@ def compare(
         for seed in seeds
         for entry in physics
     ]
-    pool = ProcessPool(jobs, context=multiprocessing.get_context("spawn"))
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
     try:
-        futures = {pool.schedule(run_trial, args=[trial]): trial for trial in work}
+        futures = {pool.submit(run_trial, trial): trial for trial in work}
         for future in as_completed(futures):
             trial = futures[future]
             try:
                 values = future.result()
-            except Exception as error:  # Of the trial, or of pebble if it died.
+            except Exception as error:  # Of the trial, or of the pool if it died.
                 values, text = {f"{trial.part} ok": 0.0}, repr(error)
             else:
                 text = ", ".join(f"{k} {v:.4g}" for k, v in values.items())
@@ -177,8 +176,7 @@ def compare(
         print("Interrupted; what was done counts.")
         return figures, False
     finally:
-        pool.stop()
-        pool.join()
+        pool.shutdown(cancel_futures=True)
     return figures, True
 
 

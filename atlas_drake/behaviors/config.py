@@ -6,7 +6,7 @@ and the configuration of each registered behavior is one more field.
 """
 
 import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import (
     asdict,
     dataclass,
@@ -28,7 +28,7 @@ from atlas_drake.behaviors.leg_ranges import stance_clearing, within_ranges
 from atlas_drake.behaviors.scaling import feet_fitting, scaled
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.config import Configuration, checked, declared
+from atlas_drake.config import Configuration, LeastGreatest, checked, declared
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ScenarioError
@@ -70,8 +70,8 @@ class ControllerConfig(Configuration):
     def of(
         file: RobotFile,
         robot: Robot | None,
-        behaviors: Iterable[BehaviorEntry],
-        ignore_unknown: bool = False,
+        shipped: Iterable[BehaviorEntry],
+        own: Iterable[BehaviorEntry] | None = (),
     ) -> "ControllerConfig":
         """Returns the configuration of a robot: its file's values, or else defaults.
 
@@ -81,46 +81,80 @@ class ControllerConfig(Configuration):
         Args:
             file: Has values of its own.
             robot: To scale by.
-            behaviors: Entries, whose configurations are fields.
-            ignore_unknown: See ``with_values``.
+            shipped: Entries whose configurations are fields, and scale as well.
+            own: Entries whose configurations are fields as they are; None if they are
+                not known yet, see ``with_values``.
         """
-        config = ControllerConfig().with_behaviors(behaviors)
+        config = ControllerConfig().with_behaviors(shipped)
         if robot is not None:
             atlas = read_robot_file(DEFAULT_ROBOT).controller
             config = config.with_values(atlas, ignore_unknown=True).scaled(robot.size)
-            walk, stance = config.walk, config.stance
-            width = stance_clearing(stance.width, walk.limits, robot)
-            limits = within_ranges(walk.limits, robot, width, stance.com_drop)
-            config = replace(
-                config,
-                stance=replace(stance, width=width),
-                walk=replace(walk, limits=limits),
+            config = config.within_reach(robot, file.controller.get("stance", {}))
+        return config.with_behaviors(own or ()).with_values(
+            file.controller, ignore_unknown=own is None
+        )
+
+    def within_reach(
+        self, robot: Robot, stance: Mapping[str, Any]
+    ) -> "ControllerConfig":
+        """Returns the configuration with steps that a robot's legs reach and clear.
+
+        ``stance`` has the values of its file, whose width it keeps.
+        """
+        limits, drop = self.walk.limits, self.stance.com_drop
+        clearing = stance_clearing(self.stance.width, limits, robot)
+        width = stance.get("width", clearing)
+        limits = within_ranges(limits, robot, width, drop)
+        apart = self._with_widths(
+            lambda width: LeastGreatest(
+                max(width.least, limits.passing), width.greatest
             )
-        return config.with_values(file.controller, ignore_unknown)
+        )
+        return replace(
+            apart,
+            stance=replace(self.stance, width=width),
+            walk=replace(self.walk, limits=limits),
+        )
 
     def with_behaviors(self, behaviors: Iterable[BehaviorEntry]) -> "ControllerConfig":
         """Returns this configuration with those of the behaviors as further fields."""
         shared = {one.name: getattr(self, one.name) for one in fields(self)}
-        own = {
-            entry.configured_at: entry.config
-            for entry in behaviors
-            if entry.config is not None and entry.configured_at not in shared
-        }
-        kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
+        own: dict[str, Any] = {}
+        for entry in behaviors:
+            if entry.config is not None and entry.configured_at not in shared:
+                own.setdefault(entry.configured_at, entry.config)
+        if not own:
+            return self
+        known = [(one.name, type(shared[one.name])) for one in fields(self)]
+        kind = _with_fields(
+            (*known[_SHARED:], *((name, type(one)) for name, one in own.items()))
+        )
         return kind(**shared, **own)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles and copies values and types: the class is made at run time."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        kinds = tuple((name, type(value)) for name, value in values.items())
+        return _made, (kinds[_SHARED:], values)
 
     def scaled(self, size: Size) -> "ControllerConfig":
         """Returns the configuration, scaled to a robot of this size."""
         made = scaled(self, size)
-        fitting = {}
-        for one in fields(made):
-            part = getattr(made, one.name)
+        made = made._with_widths(lambda width: feet_fitting(width, size))
+        return replace(made, stance=replace(made.stance, width=size.stance_width))
+
+    def _with_widths(
+        self, change: Callable[[LeastGreatest], LeastGreatest]
+    ) -> "ControllerConfig":
+        """Changes the width of each behavior's steps."""
+        changed = {}
+        for one in fields(self):
+            part = getattr(self, one.name)
             limits = getattr(part, "limits", None)
             if isinstance(limits, StepLimits):
-                width = feet_fitting(limits.width, size)
-                fitting[one.name] = replace(part, limits=replace(limits, width=width))
-        stance = replace(made.stance, width=size.stance_width)
-        return replace(made, stance=stance, **fitting)
+                width = change(limits.width)
+                changed[one.name] = replace(part, limits=replace(limits, width=width))
+        return replace(self, **changed)
 
     def with_values(
         self, values: Mapping[str, Any], ignore_unknown: bool = False
@@ -174,9 +208,19 @@ class ControllerConfig(Configuration):
             raise ScenarioError.about("stance.width", width, problem)
 
 
+_SHARED = len(fields(ControllerConfig))
+"""Number of fields that every configuration has, the first ones."""
+
+
+def _made(own: tuple[tuple[str, type], ...], values: dict[str, Any]) -> Any:
+    return _with_fields(own)(**values)
+
+
 @functools.cache
 def _with_fields(own: tuple[tuple[str, type], ...]) -> type[ControllerConfig]:
     """Returns the configuration's class, with a field for each of these behaviors."""
+    if not own:
+        return ControllerConfig
     return make_dataclass(
         "ControllerConfig",
         [(name, declared(kind), field(default_factory=kind)) for name, kind in own],

@@ -310,16 +310,15 @@ class Scenario(CheckedOnce):
             at_file = error.field == "model"
             problem = error.problem if at_file else str(error)
             raise ScenarioError("model", self.model, problem) from None
-        entries, unknown = (*BEHAVIORS, *(behaviors or ())), behaviors is None
         try:
-            robots = ControllerConfig.of(file, robot, entries, unknown)
+            robots = ControllerConfig.of(file, robot, BEHAVIORS, behaviors)
         except ScenarioError as error:
             # Without values in the file, a default of a user's behavior is at fault.
             named = error.within(find_robot(self.model)) if file.controller else error
             raise named from None
         if not self.controller:
             return robots
-        return robots.with_values(self.controller, unknown)
+        return robots.with_values(self.controller, ignore_unknown=behaviors is None)
 
     def surroundings(self) -> World:
         """Returns the world that ``world`` stands for."""

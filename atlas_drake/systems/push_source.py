@@ -1,6 +1,6 @@
 """Pushes on the robot's bodies: those of a plan, and those that are requested.
 
-What a plan may contain is in ``scenario.pushes``.
+What a plan may contain is in ``systems.pushes``.
 """
 
 from __future__ import annotations

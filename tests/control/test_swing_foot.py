@@ -332,3 +332,11 @@ def test_a_foot_passes_a_stance_foot_that_has_turned(foot, turn):
     np.testing.assert_allclose(reference.p_WF[:2], end[:2], atol=1e-3)
     # It goes around a foot that has turned into its way, and straight on otherwise.
     assert bool(around.any()) == (side * turn < 0.0)
+
+
+def test_a_foot_that_begins_beside_the_other_goes_straight():
+    stance = FootPose(np.zeros(3), np.eye(3))
+    for begin in (-0.01, 0.01):
+        start = FootPose(np.array([begin, 0.12, 0.0]), np.eye(3))
+        step = Footstep(1, 0, np.array([0.4, 0.2, 0.0]), 0.0, 0.7, 0.1)
+        assert not way_around(step, start, stance, 0.16, 0.2).any()

@@ -30,11 +30,16 @@ from atlas_drake.diagrams.atlas_station import (
     make_whole_body_controller,
 )
 from atlas_drake.messages.behavior_catalog import BehaviorError
+from atlas_drake.parts.step.config import StepConfig
 from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
 from atlas_drake.shipped import shipped_entry
+from atlas_drake.units import Meters
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
+
+HERON = str(Path(__file__).parents[1] / "robots" / "heron" / "heron.yaml")
+LARGE = StepConfig(limits=replace(StepConfig().limits, rise=0.4))
 
 
 @pytest.fixture(scope="module")
@@ -273,6 +278,27 @@ def test_a_composed_stand_has_the_parameters_of_stand(bow):
     scenario = with_settings(Scenario(), ["controller.stand.com_speed=0.07"])
     AtlasSimulation(scenario, behaviors=[entry])
     assert told[0].stand_config.com_speed == 0.07
+
+
+@dataclass(frozen=True)
+class OpenConfig:
+    place: Meters | None = None
+
+
+def test_a_configuration_keeps_its_values_on_a_robot_of_another_size():
+    told = []
+    entry = replace(resting(told), config=OpenConfig(0.4))
+    config = Scenario(model=HERON).controller_config([entry])
+    assert config.rest == OpenConfig(0.4)
+    assert pickle.loads(pickle.dumps(config)) == copy.deepcopy(config) == config
+
+
+def test_a_shipped_behavior_keeps_its_configuration():
+    """Beside a behavior of one's own that shares the field."""
+    shipped = shipped_entry(Behavior.STEP)
+    own = replace(shipped, name="STRIDE", number=103, config=LARGE, follows=("STAND",))
+    config = Scenario().controller_config([replace(own, config_field="step")])
+    assert config.step == Scenario().controller_config().step != LARGE
 
 
 def test_two_behaviors_can_share_a_configuration():

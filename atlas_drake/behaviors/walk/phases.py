@@ -187,7 +187,9 @@ class WalkSwing(WalkPhase):
 
     def paths(self, com: np.ndarray, profile: swing_foot.SwingProfile) -> PlannedPaths:
         """Adds the path of the swing sole from lift-off to touchdown."""
-        swing = swing_foot.begin_swing(self.motion.start, self.motion.duration)
+        swing = swing_foot.begin_swing(
+            self.motion.start, self.motion.duration, around=self.motion.around
+        )
         points = [swing.start.p_WF]
         while swing.remaining > 0.0:
             step = min(TIME_STEP, max(swing.remaining, 1e-6))

@@ -6,12 +6,14 @@ simulations that it has built.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import pickle
 import secrets
 import signal
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -33,6 +35,8 @@ from atlas_drake.config import as_plain, checked
 
 STARTS = 2
 """When so many processes die in a trial, the trial is the cause."""
+LOOK = 0.2
+"""Time between two looks whether a process still lives [s]."""
 _FRESH = multiprocessing.get_context("spawn")
 """Starts processes that share no lock and no memory with this one."""
 
@@ -80,7 +84,7 @@ class Child:
         self._lock = threading.Lock()
         self._process: Any = None
         self._pipe: Any = None
-        self._ended = False
+        self._is_ready = self._ended = False
 
     def run(self, trial: Trial) -> bytes:
         """Runs a trial; returns the line of its record.
@@ -90,10 +94,13 @@ class Child:
         """
         why = ""
         for _ in range(STARTS):
-            pipe = self._started()
+            process, pipe = self._started()
             try:
+                if not self._is_ready:  # What it loads is not the trial's time.
+                    self._answers(process, pipe, math.inf)
+                    self._is_ready = bool(pipe.recv())
                 pipe.send(trial)
-                if pipe.poll(self.work.limit or None):
+                if self._answers(process, pipe, self.work.limit or math.inf):
                     line: bytes = pipe.recv_bytes()
                     return line
             except (EOFError, OSError):
@@ -104,20 +111,34 @@ class Child:
                 break
         return as_line(trial.record(error=why))
 
-    def _started(self) -> Any:
-        """Returns this end of the pipe to the process, which runs from now on."""
+    def _started(self) -> tuple[Any, Any]:
+        """Returns the process, which runs from now on, and this end of its pipe."""
         with self._lock:
             if self._ended:
                 raise CancelledError
             if self._process is None:
-                self._pipe, theirs = _FRESH.Pipe()
+                pipe, theirs = _FRESH.Pipe()
                 arguments = (theirs, self.work)
-                self._process = _FRESH.Process(
-                    target=_serve, args=arguments, daemon=True
-                )
-                self._process.start()
+                process = _FRESH.Process(target=_serve, args=arguments, daemon=True)
+                process.start()
                 theirs.close()
-            return self._pipe
+                self._process, self._pipe, self._is_ready = process, pipe, False
+            return self._process, self._pipe
+
+    def _answers(self, process: Any, pipe: Any, limit: float) -> bool:
+        """Waits for an answer; returns False if there is none within ``limit`` [s].
+
+        Raises:
+            EOFError: If the process has ended. Its pipe may be open in processes that
+                a trial has started.
+        """
+        end = time.monotonic() + limit
+        while not pipe.poll(min(LOOK, max(end - time.monotonic(), 0.0))):
+            if process.exitcode is not None and not pipe.poll(0.0):
+                raise EOFError
+            if time.monotonic() >= end:
+                return False
+        return True
 
     def _kill(self) -> int | None:
         """Ends the process, whatever it does; returns its exit code."""
@@ -173,8 +194,12 @@ def local_children(work: Work, jobs: int) -> Iterator[Submit]:
 def _serve(pipe: Connection, work: Work) -> None:
     """Answers each trial with the line of its record."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    # It ends with its parent, and so is a daemon, but a trial may start processes.
+    process: Any = multiprocessing.current_process()
+    process._config["daemon"] = False
     threadpool_limits(1)
     runner: TrialRunner | None = None
+    pipe.send(True)
     while True:
         trial: Trial = pipe.recv()
         try:

@@ -9,10 +9,23 @@ import math
 
 import numpy as np
 
+from atlas_drake.control.feet.curves import quintic_progress, rise_and_fall
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, UP, FootPose, Footstep
 from atlas_drake.rotations import rotation_z, wrap_angle
+
+_PLACES = 5
+"""Number of places at which the distance of passing feet is looked at."""
+_LEAST_ASIDE = 0.5
+"""Least share of the displacement that counts where feet pass: nearer to an end of the
+way a foot would have to swing far aside for little [-]."""
+_PROGRESS = np.linspace(0.0, 1.0, 41)
+_WAY, _ASIDE = (
+    np.array([curve(progress)[0] for progress in _PROGRESS.tolist()])
+    for curve in (quintic_progress, lambda progress: rise_and_fall(progress, 0.5))
+)
+"""Share of the way, and of the displacement aside, at some progress of a swing [-]."""
 
 
 def outward(foot: int) -> float:
@@ -96,13 +109,15 @@ def way_around(
     sign = outward(step.foot)
     ends = [R_WS.T @ (pose.p_WF - stance.p_WF)[:2] for pose in (start, step)]
     (x0, y0), (x1, y1) = ends
-    if x0 * x1 >= 0.0:  # It stops beside the stance foot, or does not come there.
+    beside = 0.5 * length
+    if x0 * x1 >= 0.0 or min(abs(x0), abs(x1)) < beside:  # Its end is beside the foot.
         return np.zeros(2)
-    slope = (y1 - y0) / (x1 - x0)
-    ahead = clip(0.5 * length, min(x0, x1), max(x0, x1))
-    behind = clip(-0.5 * length, min(x0, x1), max(x0, x1))
-    nearest = min(sign * (y0 + slope * (x - x0)) for x in (ahead, behind))
-    return sign * max(least - nearest, 0.0) * R_WS[:, 1]
+    passed = (np.linspace(-beside, beside, _PLACES) - x0) / (x1 - x0)
+    short = least - sign * (y0 + passed * (y1 - y0))
+    # The displacement is that of the middle; where the feet pass, it may be smaller.
+    aside = np.maximum(np.interp(passed, _WAY, _ASIDE), _LEAST_ASIDE)
+    needed = float((short / aside).max())
+    return sign * max(needed, 0.0) * R_WS[:, 1]
 
 
 def longest_duration(apart: float, limits: StepLimits) -> float:

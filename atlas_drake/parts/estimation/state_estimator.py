@@ -1,6 +1,6 @@
 """Estimates the robot's state from IMU, joint encoders and loads on the feet.
 
-The filter is ``control.estimation.leg_odometry``; this is its system in the diagram.
+The filter is ``parts.estimation.leg_odometry``; this is its system in the diagram.
 """
 
 from dataclasses import dataclass

@@ -121,6 +121,10 @@ FAILURES = """
             os._exit(0)
         if how == "crash":
             ctypes.string_at(0)
+        if how == "orphan":  # Leaves a process that has the pipe, too.
+            if os.fork() == 0:
+                time.sleep(20.0)
+            os._exit(5)
         if how == "hang":
             time.sleep(600.0)
         if how == "hold":  # Holds Python's lock.
@@ -137,6 +141,7 @@ ENDS = {
     "exit": "SystemExit: 3",
     "leave": "the process died (0)",
     "crash": "the process died (-11)",
+    "orphan": "the process died (5)",
     "hang": "took longer than 2 s",
     "hold": "took longer than 2 s",
     "raise": "Local: no such luck",
@@ -156,9 +161,9 @@ def test_a_trial_that_fails_in_any_way_is_a_line_of_its_own(
     arguments += ["--trials", "1", "--jobs", "2"]
     assert main(["sweep", *arguments]) == 1
     said = capsys.readouterr().out
-    assert "! 8 of 10 trials ended with an error, the first of them trial 1" in said
+    assert "! 9 of 11 trials ended with an error, the first of them trial 1" in said
     records = read_records(out)
-    for record, how in zip(map(records.get, range(10)), hows, strict=True):
+    for record, how in zip(map(records.get, range(11)), hows, strict=True):
         if how in ENDS:
             last = record["error"].strip().splitlines()[-1]
             assert ENDS[how] in last, how
