@@ -118,24 +118,19 @@ class ControllerConfig(Configuration):
 
     def with_behaviors(self, behaviors: Iterable[BehaviorEntry]) -> "ControllerConfig":
         """Returns this configuration with those of the behaviors as further fields."""
-        shared = {one.name: getattr(self, one.name) for one in fields(self)}
-        own: dict[str, Any] = {}
+        values = self._values()
         for entry in behaviors:
-            if entry.config is not None and entry.configured_at not in shared:
-                own.setdefault(entry.configured_at, entry.config)
-        if not own:
-            return self
-        known = [(one.name, type(shared[one.name])) for one in fields(self)]
-        kind = _with_fields(
-            (*known[_SHARED:], *((name, type(one)) for name, one in own.items()))
-        )
-        return kind(**shared, **own)
+            if entry.config is not None:
+                values.setdefault(entry.configured_at, entry.config)
+        return _made(values)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles and copies values and types: the class is made at run time."""
-        values = {one.name: getattr(self, one.name) for one in fields(self)}
-        kinds = tuple((name, type(value)) for name, value in values.items())
-        return _made, (kinds[_SHARED:], values)
+        """Pickles and copies the values: the class is made at run time."""
+        return _made, (self._values(),)
+
+    def _values(self) -> dict[str, Any]:
+        """Returns the value of each field."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def scaled(self, size: Size) -> "ControllerConfig":
         """Returns the configuration, scaled to a robot of this size."""
@@ -169,17 +164,15 @@ class ControllerConfig(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        given = dict(values)
+        given, known = dict(values), self._values()
         if ignore_unknown:
-            known = {one.name for one in fields(self)}
             given = {
                 name: value
                 for name, value in values.items()
                 if name in known
                 or not (isinstance(value, Mapping) or is_dataclass(value))
             }
-        base = {one.name: getattr(self, one.name) for one in fields(self)}
-        made: ControllerConfig = checked(type(self), given, "controller", base=base)
+        made: ControllerConfig = checked(type(self), given, "controller", base=known)
         return made
 
     def gait(self, **desired: float) -> Gait:
@@ -212,8 +205,10 @@ _SHARED = len(fields(ControllerConfig))
 """Number of fields that every configuration has, the first ones."""
 
 
-def _made(own: tuple[tuple[str, type], ...], values: dict[str, Any]) -> Any:
-    return _with_fields(own)(**values)
+def _made(values: dict[str, Any]) -> ControllerConfig:
+    """Makes the configuration that has these fields."""
+    kinds = [(name, type(value)) for name, value in values.items()]
+    return _with_fields(tuple(kinds[_SHARED:]))(**values)
 
 
 @functools.cache

@@ -4,8 +4,8 @@ Both soles are flat while the weight goes from one foot to the other, and the pe
 between them: a step that takes an ankle to its end stop then is too large. Ahead the
 trailing heel rises, so that the ankles do not bound a step. Where a foot passes the
 other leg, their shapes stay apart, as in TALOS, whose shanks are as wide as its feet. A
-knee with less torque for
-the robot's weight and height than Atlas' carries it through shorter strides.
+knee with less torque for the robot's weight and height than Atlas' carries it through
+shorter strides.
 """
 
 from __future__ import annotations
