@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimInterfaceCommand, Behavior
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
@@ -15,13 +13,9 @@ from atlas_drake.behaviors.walk.gait import (
     plan_walk,
     stance_cop,
 )
-from atlas_drake.behaviors.walk.phases import WalkProgress
-from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance.dcm_plan import Pendulum
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.swing_foot import advance_swing, begin_swing
-from atlas_drake.control.gains import ControlGains
-from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 from atlas_drake.support_polygon import SupportPolygon
@@ -225,20 +219,3 @@ def test_the_sensitivity_is_the_derivative_by_the_landing_place(feet, steps, cop
     assert 0.5 < found < 1.0
     # After the last step the CoP may be below the foot that landed.
     assert landing_sensitivity(cop, FIRST, feet, steps[:1], CONFIG, PENDULUM) == 1.0
-
-
-def test_the_cop_of_single_support_is_where_the_configuration_has_it(
-    model, feet, steps
-):
-    config = WalkConfig(cop_inward=0.03)
-    planner = WalkPlanner(Balance(model.robot, ControlGains()), PENDULUM, config)
-    request = BehaviorRequest(Behavior.WALK, AtlasSimInterfaceCommand(), 1)
-    swing = planner.swing(WalkProgress(feet, feet, steps, 1, request), 0.0)
-    expected = stance_cop(feet, steps[0], config)
-    moved = planner.move_landing(swing, steps[0], 0.1)
-    assert moved.duration == pytest.approx(swing.duration - 0.1)
-    for plan in (swing.plan, moved.plan):
-        np.testing.assert_allclose(plan.evaluate(0.0).cop, expected, atol=1e-12)
-        last = plan.segments[-2].end
-        under = stance_cop((steps[0].pose, steps[1].pose), steps[2], config)
-        np.testing.assert_allclose(last, under, atol=1e-12)

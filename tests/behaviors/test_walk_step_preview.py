@@ -11,25 +11,14 @@ from atlas_drake.behaviors.footsteps import (
     landed_elsewhere,
     out_of_reach,
 )
-from atlas_drake.behaviors.walk.config import GaitTiming
-from atlas_drake.behaviors.walk.phases import (
-    FinalTransfer,
-    InitialTransfer,
-    Transfer,
-    WalkProgress,
-    WalkSwing,
-)
-from atlas_drake.behaviors.walk.steps import (
-    look_ahead,
-    subject,
-    warnings_about,
-)
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.steps import WalkProgress, with_warnings
 from atlas_drake.control.feet.footstep import outward
-from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep, is_elsewhere
 from atlas_drake.rotations import rotation_z
 
-LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
+CONFIG = WalkConfig()
+LIMITS = CONFIG.limits
 HALF_WIDTH = 0.12
 GROUND = 0.3
 """Height of both soles [m]."""
@@ -47,17 +36,22 @@ def step(index, x=0.0, *, yaw=0.0, z=GROUND, foot=None, y=None, **changes):
     return dataclasses.replace(taken, **changes)
 
 
-def preview_of(steps, feet=None, aimed=None, in_air=None, **changes):
+def progress_with(steps, feet=None, aimed=None, **changes):
+    """A walk with these steps to come; it has no message."""
     feet = feet or (foot_at(LEFT), foot_at(RIGHT))
-    progress = WalkProgress(
-        feet, aimed or feet, tuple(steps), next_index=1, request=None
-    )
-    progress = dataclasses.replace(progress, **changes)
-    return look_ahead(progress, in_air, LIMITS, SLACK)
+    progress = WalkProgress(feet, aimed or feet, tuple(steps), 1, None, CONFIG)
+    return dataclasses.replace(progress, **changes)
 
 
-def texts(step_preview, warned=frozenset()):
-    return [event.text for event in warnings_about(step_preview, warned, 1.0)]
+def preview_of(*arguments, **changes):
+    return progress_with(*arguments, **changes).preview
+
+
+def texts(progress):
+    """The warnings about the coming steps, which are given once."""
+    warned, news = with_warnings(progress, 1.0)
+    assert with_warnings(warned, 2.0) == (warned, ())
+    return [event.text for event in news]
 
 
 @pytest.mark.parametrize("short", [0.0, 0.005, 0.015])
@@ -66,10 +60,10 @@ def test_a_landing_error_does_not_reduce_the_next_step(short, ahead):
     length = LIMITS.forward if ahead > 0 else -LIMITS.backward
     feet = (foot_at(LEFT), foot_at(RIGHT, -ahead * short))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
-    step_preview = preview_of([step(1, length), step(2, 2 * length)], feet, aimed)
-    places = [taken.p_WF[0] for taken in step_preview.steps]
+    progress = progress_with([step(1, length), step(2, 2 * length)], feet, aimed)
+    places = [taken.p_WF[0] for taken in progress.coming]
     np.testing.assert_allclose(places, [length, 2 * length])
-    assert texts(step_preview) == []
+    assert texts(progress) == []
 
 
 def test_turns_count_from_the_heading_that_was_planned_too():
@@ -82,13 +76,14 @@ def test_turns_count_from_the_heading_that_was_planned_too():
 def test_the_step_in_the_air_is_where_the_next_one_begins():
     feet = (foot_at(LEFT), foot_at(RIGHT))
     in_air = step(1, 0.3)
-    step_preview = preview_of(
+    progress = progress_with(
         [step(2, 5.0)], feet, in_air=in_air, last_foot=LEFT, next_index=2
     )
-    assert step_preview.steps[0] is in_air
+    assert progress.coming[0] is in_air
     # Balance may have moved it: that is no saturation.
-    assert texts(step_preview, frozenset([(2, "place")])) == []
-    assert step_preview.steps[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
+    (text,) = texts(progress)
+    assert text.startswith("step 2")
+    assert progress.coming[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -100,14 +95,13 @@ def test_a_step_too_high_is_an_obstacle(sign, relative):
         step(2, 0.4, z=rise if relative else GROUND + rise, relative=relative),
         step(3, 0.4, z=0.0, relative=True),
     ]
-    step_preview = preview_of(steps)
-    assert [taken.index for taken in step_preview.steps] == [1]
-    assert step_preview.blocked is steps[1]
-    (text,) = texts(step_preview)
+    progress = progress_with(steps)
+    assert [taken.index for taken in progress.coming] == [1]
+    assert progress.preview.blocked is steps[1]
+    (text,) = texts(progress)
     way = "up" if sign > 0 else "down"
     expected = f"before step 2: step 2 leads 0.15 m {way}, which is too much"
     assert text.endswith(expected)
-    assert texts(step_preview, frozenset([(2, "obstacle")])) == []
 
 
 @pytest.mark.parametrize("error", [-0.005, 0.005])
@@ -159,14 +153,13 @@ def test_the_same_foot_again_is_an_obstacle():
     ids=["far", "little", "turned", "both", "fast", "high", "steep"],
 )
 def test_every_saturation_gives_one_warning(goal, text):
-    step_preview = preview_of([goal])
-    (event,) = warnings_about(step_preview, frozenset(), 2.5)
+    progress, (event,) = with_warnings(progress_with([goal]), 2.5)
     assert event.kind == "warning"
     assert event.time == 2.5
     assert event.data["index"] == 1
     assert event.text.startswith("step 1 ")
     assert text in event.text
-    assert texts(step_preview, frozenset([subject(event)])) == []
+    assert with_warnings(progress, 3.0) == (progress, ())
 
 
 @pytest.mark.parametrize(
@@ -192,9 +185,9 @@ def test_a_landing_elsewhere_is_not_what_was_asked_for():
     events = (landing(0.04), landing(0.06), landing(yaw=0.1), landing(yaw=-0.3))
     assert [landed_elsewhere(event) for event in events] == [0, 1, 0, 1]
     # A warning is not the last word: a better step may still be sent.
-    (far,) = warnings_about(preview_of([step(1, 1.0)]), frozenset(), 0.0)
+    _, (far,) = with_warnings(progress_with([step(1, 1.0)]), 0.0)
     assert not landed_elsewhere(far)
-    (turned,) = warnings_about(preview_of([step(1, yaw=0.785)]), frozenset(), 0.0)
+    _, (turned,) = with_warnings(progress_with([step(1, yaw=0.785)]), 0.0)
     assert turned.data["error_rad"] == pytest.approx(0.285)
 
 
@@ -209,41 +202,3 @@ def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
     assert event.data["landed"] == pytest.approx([0.41, HALF_WIDTH, -3.1])
     assert event.data["error_m"] == pytest.approx(0.59)
     assert event.data["error_rad"] == pytest.approx(2 * math.pi - 6.2)
-
-
-@pytest.fixture
-def in_phase():
-    """Makes a phase of a walk, whose progress and plan do not matter."""
-
-    def make(phase, **fields):
-        return phase(progress=None, plan=None, support=None, **fields)
-
-    return make
-
-
-def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
-    steps = [step(1, duration=0.8), step(2, duration=1.0)]
-    swing = TIMING.swing(steps[0].duration)
-    shift = in_phase(InitialTransfer, duration=0.8, elapsed=0.3, unloading=LEFT)
-    assert shift.time_to_touchdown(steps, TIMING) == pytest.approx(0.5 + swing)
-    assert shift.time_to_touchdown((), TIMING) == 0.0
-    # At the end of a transfer as at the beginning of the swing.
-    transfer = in_phase(Transfer, duration=0.8, elapsed=0.8, unloading=LEFT)
-    assert transfer.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
-    waiting = dataclasses.replace(transfer, elapsed=0.9)
-    assert waiting.waiting
-    assert waiting.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
-    lifted = in_phase(
-        WalkSwing,
-        duration=swing,
-        step=steps[0],
-        sent=steps[0],
-        motion=None,
-        sensitivity=1.0,
-        stops=False,
-    )
-    assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
-    late = dataclasses.replace(lifted, elapsed=swing + 0.1)
-    assert late.time_to_touchdown(steps, TIMING) == 0.0
-    settling = in_phase(FinalTransfer, duration=0.8, obstacle="")
-    assert settling.time_to_touchdown(steps, TIMING) == 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
@@ -122,6 +123,11 @@ class WalkConfig(Configuration):
     """The step adjustment, which moves and hastens a step for balance."""
     slack: StepSlack = field(default_factory=StepSlack)
     """Amount by which a step may exceed its limits to correct landing errors."""
+
+    @cached_property
+    def limits_for_balance(self) -> StepLimits:
+        """Limits of a step that balance moves."""
+        return self.slack.loosen(self.limits).extended(self.adjustment.stretch)
 
     def check(self) -> None:
         """Checks that the default steps are within the limits."""

@@ -1,20 +1,14 @@
-"""The DCM plan of a walk, and the steps that nobody commanded.
-
-Pure functions. The capture point of a pendulum on a fixed center of pressure is that of
-Pratt, Carff, Drakunov, Goswami, "Capture point: a step toward humanoid push recovery",
-Humanoids 2006. The phases of the walk are in ``walk``.
-"""
+"""The DCM plan of a walk, from the present phase to rest. Pure functions."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan, Pendulum
-from atlas_drake.control.feet.footstep import outward, saturate
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.control.feet.swing_foot import FootSwing, begin_swing, pushes_ahead
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
@@ -136,53 +130,3 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
     begin = through(first.start).evaluate(0.0).dcm
     gain = through(first.start + 1.0).evaluate(0.0).dcm - begin
     return through(support.clamp(first.start + (dcm - begin) / gain))
-
-
-def capture_step(
-    index: int,
-    free: Sequence[int],
-    feet: Sequence[FootPose],
-    supports: Sequence[SupportPolygon],
-    com: np.ndarray,
-    dcm: np.ndarray,
-    omega: float,
-    config: WalkConfig,
-    goes_on: bool = False,
-) -> Footstep:
-    """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
-
-    Of the ``free`` feet the one that gets nearer to that point steps. The CoP r is the
-    point of the other sole that is nearest to the DCM. The time T is that of a quick
-    swing, though balance may hasten it: the robot stops more surely behind a long step.
-    Sideways the DCM leaves the stance foot in any case. There T is that of the fastest
-    swing, unless the robot moves sideways as fast as ahead or back. In a walk that
-    ``goes_on`` T is always that of the fastest swing.
-    """
-    duration = config.limits.duration.least
-    fast = math.exp(omega * config.adjustment.shortest_swing)
-    usual = fast if goes_on else math.exp(omega * config.timing.swing(duration))
-
-    def step_of(foot: int) -> tuple[float, Footstep]:
-        """The step of one foot, and its distance from the point [m]."""
-        stance = feet[1 - foot]
-        R = rotation_z(stance.yaw)[:2, :2]
-        ahead, aside = np.abs(R.T @ (dcm - com)).tolist()
-        sideways = aside / (max(ahead, aside) or 1.0)
-        growth = np.array([usual, fast + sideways * (usual - fast)])
-        cop = supports[1 - foot].clamp(dcm)
-        point = cop + R @ (growth * (R.T @ (dcm - cop)))
-        p_WF = np.append(point, stance.p_WF[2])
-        step = Footstep(index, foot, p_WF, stance.yaw, duration, config.swing.height)
-        step = saturate(step, stance, config.limits)
-        return float(np.hypot(*(step.p_WF[:2] - point))), step
-
-    return min(map(step_of, free), key=lambda found: found[0])[1]
-
-
-def square_up_step(
-    index: int, foot: int, other: FootPose, width: float, config: WalkConfig
-) -> Footstep:
-    """Makes the step that puts ``foot`` beside the ``other`` one."""
-    beside = outward(foot) * width * rotation_z(other.yaw)[:, 1]
-    place, duration = other.p_WF + beside, config.steps.duration
-    return Footstep(index, foot, place, other.yaw, duration, config.swing.height)

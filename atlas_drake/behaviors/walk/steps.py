@@ -1,6 +1,6 @@
-"""The steps of a walk: as requested, and as they will be taken, or why they are not.
+"""The steps of a walk: as commanded, and as they will be taken, or why they are not.
 
-Pure functions of the walk's progress; its phases determine the timing.
+Data, and pure functions of these data. The phases determine the timing.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ import numpy as np
 
 from atlas_drake.behaviors.footsteps import (
     merge,
+    next_runs,
     out_of_reach,
     pace_changed,
+    replaced,
     step_data_from,
 )
-from atlas_drake.behaviors.walk.phases import LOOK_AHEAD, WalkProgress
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.feet.footstep import (
     ensure_clearance,
     heading_error,
@@ -26,18 +28,21 @@ from atlas_drake.control.feet.footstep import (
     resolve_height,
     saturate,
 )
-from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
     AtlasBehaviorStepData,
     AtlasBehaviorWalkParams,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 
+LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
+"""Number of steps in the plan."""
 ROUNDING = 1e-9
 """A step that saturation moves by at most this much counts as unchanged [m], [rad]."""
 _NO_STEP = AtlasBehaviorStepData().freeze()
@@ -47,7 +52,7 @@ _NO_STEP = AtlasBehaviorStepData().freeze()
 class StepPreview:
     """Coming steps of the walk, as commanded and as executed."""
 
-    commanded: tuple[Footstep, ...]  # Heights in W; the one in the air as executed
+    commanded: tuple[Footstep, ...]  # Heights in W; one in the air as executed
     steps: tuple[Footstep, ...]  # As they will be executed; one in the air first
     blocked: Footstep | None = None  # The step after these steps, if it cannot be taken
     obstacle: str = ""  # Why the blocked step cannot be taken; empty if there is none
@@ -57,6 +62,55 @@ class StepPreview:
         """The steps as frozen messages, filled up with empty ones."""
         steps = tuple(step_data_from(step).freeze() for step in self.steps)
         return steps + (_NO_STEP,) * (NUM_REQUIRED_WALK_STEPS - len(steps))
+
+
+@dataclass(frozen=True)
+class WalkProgress:
+    """Feet and steps of a walk in any phase."""
+
+    feet: tuple[FootPose, FootPose]  # Poses of the soles, the last ones on the ground
+    aimed: tuple[FootPose, FootPose]  # Landing poses aimed at; at first, ``feet``
+    pending: tuple[Footstep, ...]  # Steps not begun, by index
+    next_index: int  # Index of the next step to begin
+    request: BehaviorRequest  # The last request whose steps were read
+    config: WalkConfig  # Limits of the steps
+    in_air: Footstep | None = None  # Step being taken; None while both feet are down
+    last_foot: int | None = None  # Foot of the step begun last; None before the first
+    last_index: int = 0  # Index of the step begun last; 0 before the first step
+    warned: frozenset[tuple[int, str]] = frozenset()  # Step and topic of each warning
+    recovery_index: int = 0  # Index of the last recovery or square-up step; 0 at first
+
+    @property
+    def last_was_recovery(self) -> bool:
+        """True if the step begun last was not commanded."""
+        return 0 < self.last_index == self.recovery_index
+
+    @property
+    def feet_to_come(self) -> list[FootPose]:
+        """Poses of the soles, with the landing pose of a foot in the air."""
+        feet = list(self.feet)
+        if self.in_air is not None:
+            feet[self.in_air.foot] = self.in_air.pose
+        return feet
+
+    @property
+    def known(self) -> tuple[Footstep, ...]:
+        """The next steps without a gap in their indices, as many as are planned."""
+        return next_runs(self.pending, self.next_index, LOOK_AHEAD)
+
+    @cached_property
+    def preview(self) -> StepPreview:
+        """The coming steps, each saturated from the feet of the step before."""
+        return look_ahead(self)
+
+    @property
+    def coming(self) -> tuple[Footstep, ...]:
+        """The coming steps as they will be executed, one in the air first."""
+        return self.preview.steps
+
+    def beginning_with(self, step: Footstep) -> tuple[Footstep, ...]:
+        """Returns ``step``, and the pending steps with a higher index."""
+        return (step, *(other for other in self.pending if other.index > step.index))
 
 
 def steps_asked_for(
@@ -80,31 +134,46 @@ def steps_asked_for(
     )
 
 
-def feet_to_come(progress: WalkProgress, in_air: Footstep | None) -> list[FootPose]:
-    """Returns the poses of the soles, with the landing pose of a foot in the air."""
-    feet = list(progress.feet)
-    if in_air is not None:
-        feet[in_air.foot] = in_air.pose
-    return feet
+def read_message(
+    progress: WalkProgress, request: BehaviorRequest, gait: Gait
+) -> WalkProgress:
+    """Merges the steps of a new message with those that have not begun."""
+    if not request.is_newer(progress.request):
+        return progress
+    params, last = request.command.walk_params, progress.request.command.walk_params
+    progress = replace(progress, request=request)
+    if params.use_demo_walk and last.use_demo_walk:
+        return progress
+    merged = replace(
+        progress,
+        pending=steps_asked_for(
+            () if last.use_demo_walk else progress.pending,
+            params,
+            progress.feet_to_come,
+            progress.next_index,
+            gait,
+            progress.last_foot,
+        ),
+    )
+    # A step that a new message replaces may be warned of again.
+    new = replaced(progress.known, merged.known)
+    warned = frozenset(about for about in progress.warned if about[0] not in new)
+    return replace(merged, warned=warned)
 
 
-def look_ahead(
-    progress: WalkProgress,
-    in_air: Footstep | None,
-    limits: StepLimits,
-    slack: StepSlack,
-) -> StepPreview:
+def look_ahead(progress: WalkProgress) -> StepPreview:
     """Saturates the coming steps, each relative to the step before.
 
     The step in the air is not changed.
     """
-    steps, commanded = [], []
-    poses, aims = feet_to_come(progress, in_air), list(progress.aimed)
+    steps, commanded, in_air = [], [], progress.in_air
+    poses, aims = progress.feet_to_come, list(progress.aimed)
     if in_air is not None:
         steps.append(in_air)
         commanded.append(in_air)
         aims[in_air.foot] = in_air.pose
-    loose = slack.loosen(limits)
+    limits = progress.config.limits
+    loose = progress.config.slack.loosen(limits)
     firm = replace(limits, rise=loose.rise)
     last_foot = progress.last_foot
     for step in progress.known:
@@ -165,21 +234,25 @@ def obstacle_to(
     return ""
 
 
-def warnings_about(
-    step_preview: StepPreview, warned: frozenset[tuple[int, str]], time: float
-) -> tuple[Event, ...]:
-    """Makes warnings about the steps that differ from their commands, one for each."""
+def with_warnings(
+    progress: WalkProgress, time: float
+) -> tuple[WalkProgress, tuple[Event, ...]]:
+    """Warns once of each coming step that differs from its command."""
+    preview = progress.preview
     events: tuple[Event, ...] = ()
-    for goal, step in zip(step_preview.commanded, step_preview.steps, strict=True):
+    for goal, step in zip(preview.commanded, preview.steps, strict=True):
         events += out_of_reach(time, goal, step) + pace_changed(time, goal, step)
-    blocked = step_preview.blocked
+    blocked = preview.blocked
     if blocked is not None:
-        text = f"WALK will end before step {blocked.index}: {step_preview.obstacle}"
+        text = f"WALK will end before step {blocked.index}: {preview.obstacle}"
         data = {"index": blocked.index, "about": "obstacle"}
         events += (Event(time, "warning", text, data),)
-    return tuple(event for event in events if subject(event) not in warned)
+    news = tuple(event for event in events if _subject(event) not in progress.warned)
+    if not news:
+        return progress, ()
+    return replace(progress, warned=progress.warned.union(map(_subject, news))), news
 
 
-def subject(warning: Event) -> tuple[int, str]:
+def _subject(warning: Event) -> tuple[int, str]:
     """Returns the index of a warning's step, and its topic: place, pace or obstacle."""
     return warning.data["index"], warning.data["about"]
