@@ -31,6 +31,7 @@ class Run:
         end = self.sim.time + seconds
         while not condition(self.sim.record):
             assert self.sim.time < end, "it did not come to that"
+            assert not self.sim.has_fallen, "the robot fell"
             self.advance(self.sim.scenario.control_period)
 
     def ask(self, behavior: str) -> None:
@@ -50,17 +51,17 @@ class Run:
         return np.array([value(record) for record in self.records])
 
 
-def play(message=None, seconds=0.0, **scenario) -> Run:
+def play(message=None, seconds=None, **scenario) -> Run:
     """Plays a scenario from a message on, until the robot stands again."""
     run = Run(AtlasSimulation(Scenario(**scenario)))
     run.advance(0.05)
     if message is not None:
         run.sim.publish(message)
         run.advance(0.05)
-    if seconds:
-        run.advance(seconds)
-    elif message is not None:
+    if seconds is None:
         run.until(stands)
+    else:
+        run.advance(seconds)
     return run
 
 

@@ -1,23 +1,19 @@
-"""The framework of phases that WALK and STEP share.
+"""What the phases of WALK and STEP share.
 
-A stepping behavior's state is one of its phases, a dataclass for each. For each kind of
-phase there is one ``PhaseControl``.
+The state of such a behavior is one of its phases: a frozen dataclass with data, a
+decision, and commands of the feet.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.messages.controller_status import Plan
-from atlas_drake.messages.event import Event
 from atlas_drake.messages.footstep import FootPose, Footstep
 from atlas_drake.support_polygon import SupportPolygon
 
@@ -43,29 +39,6 @@ class Phase:
             cop_reference=reference.cop,
             footsteps=steps,
         )
-
-
-P = TypeVar("P", bound=Phase)
-
-
-class PhaseControl(ABC, Generic[P]):
-    """Computes the ticks of a phase and its end. Holds constants only."""
-
-    @abstractmethod
-    def advance(
-        self, phase: P, observation: Observation, leaving: bool
-    ) -> tuple[Any, tuple[Event, ...]]:
-        """Returns the next phase if the phase is over, or else the same phase.
-
-        The phase has the time of this tick added; ``leaving`` requests the end of the
-        behavior.
-        """
-
-    @abstractmethod
-    def command_feet(
-        self, phase: P, observation: Observation
-    ) -> tuple[P, tuple[FootCommand, FootCommand]]:
-        """Commands both feet, and advances their references by one tick."""
 
 
 def on_present_parts(

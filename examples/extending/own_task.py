@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
-from atlas_drake.behaviors.extended import Extended
+from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.shipped import shipped_entry
@@ -29,25 +29,27 @@ def circle(time):
     return CENTER + RADIUS * np.array([0.0, c, s]), RADIUS * rate * np.array([0, -s, c])
 
 
-WALK = shipped_entry(Behavior.WALK)
-
-
-def make(tools, config):
+class WalkWithHand(Walk):
     """WALK, and the left hand goes round a circle in front of the pelvis."""
-    arm = tools.robot.limb("l_arm")
 
-    def with_hand(command, observation):
+    def __init__(self, tools, config):
+        super().__init__(tools, config)
+        self._arm = tools.robot.limb("l_arm")
+
+    def update(self, state, observation, body, request, leaving):
+        """Computes one tick of WALK, and adds the task of the hand to its command."""
+        outcome = super().update(state, observation, body, request, leaving)
         terms, P = observation.terms, observation.terms.frame("pelvis")
         p_PD, v_PD = circle(observation.time)
         p_WD, v_WD = P.p_WF + P.R_WF @ p_PD, P.V_WF[3:] + P.R_WF @ v_PD
         hand = PositionTask.tracking(terms, "l_hand", p_WD, GAINS, WEIGHT, v_WD)
-        return command.with_posture_scaled(arm, 0.01).plus(hand)
+        command = outcome.command.with_posture_scaled(self._arm, 0.01).plus(hand)
+        return replace(outcome, command=command)
 
-    return Extended(WALK.make(tools, config), with_hand)
 
-
+WALK = shipped_entry(Behavior.WALK)
 WALK_WITH_HAND = replace(
-    WALK, name="WALK_WITH_HAND", number=101, make=make, follows=("STAND",)
+    WALK, name="WALK_WITH_HAND", number=101, make=WalkWithHand, follows=("STAND",)
 )
 behaviors = [WALK_WITH_HAND]  # what --with takes from this file
 

@@ -20,9 +20,9 @@ from atlas_drake import (
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.config import Share, as_plain
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
@@ -189,10 +189,15 @@ def test_a_controller_refuses_a_behavior_that_it_lacks(bow):
 def test_an_unsolvable_task_is_one_warning_that_names_the_task(bow):
     task = PositionTask("l_hand", np.full(3, np.nan), 1.0)
 
-    def make(tools, config):
-        return Extended(tools.stand(), lambda command, _seen: command.plus(task))
+    class WithTask(Walk):
+        def __init__(self, tools, _config):
+            super().__init__(tools, WalkConfig())
 
-    sim = AtlasSimulation(behaviors=[replace(bow, make=make)])
+        def update(self, *arguments, **leaving):
+            outcome = super().update(*arguments, **leaving)
+            return replace(outcome, command=outcome.command.plus(task))
+
+    sim = AtlasSimulation(behaviors=[replace(bow, make=WithTask)])
     sim.publish(asked("BOW"))
     sim.advance(0.3)
     texts = [event.text for event in sim.events if event.kind == "warning"]

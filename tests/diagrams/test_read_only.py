@@ -12,7 +12,6 @@ from atlas_drake import (
     Behavior,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.extended import Extended
 from atlas_drake.shipped import shipped_entry
 
 PERIOD = 0.01
@@ -44,6 +43,16 @@ def writable(value, path, seen=None):
     }
 
 
+class Around:
+    """A behavior that hands all calls on to another one."""
+
+    def __init__(self, behavior):
+        self._behavior = behavior
+
+    def __getattr__(self, name):
+        return getattr(self._behavior, name)
+
+
 def listening(behavior):
     """The entry of a shipped behavior that looks at all that it gets."""
     found, heard = set(), set()
@@ -52,10 +61,10 @@ def listening(behavior):
         heard.add(name)
         found.update(writable(values, name))
 
-    class Own(Extended):
+    class Own(Around):
         def __init__(self, tools, config):
             look("tools", tools.robot, tools.balance)
-            super().__init__(shipped_entry(behavior).make(tools, config), None)
+            super().__init__(shipped_entry(behavior).make(tools, config))
 
         def enter(self, observation, body, request):
             look("enter", observation, body, request)
@@ -109,7 +118,7 @@ def test_a_behavior_gets_read_only_arrays(behavior):
     assert writable((status, paths), "status") == set()
 
 
-class InPlace(Extended):
+class InPlace(Around):
     """Writes into the body reference that it is given."""
 
     def update(self, state, observation, body, request, leaving):
@@ -119,7 +128,7 @@ class InPlace(Extended):
 
 def test_a_behavior_that_writes_into_its_arguments_is_an_error():
     def make(tools, _config):
-        return InPlace(tools.stand(), None)
+        return InPlace(tools.stand())
 
     entry = BehaviorEntry(name="MINE", number=100, make=make)
     sim = AtlasSimulation(behaviors=[entry])

@@ -29,7 +29,7 @@ from atlas_drake.control.feet.footstep import (
     saturate,
 )
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
     AtlasBehaviorStepData,
@@ -101,7 +101,7 @@ class WalkProgress:
     @cached_property
     def preview(self) -> StepPreview:
         """The coming steps, each saturated from the feet of the step before."""
-        return look_ahead(self)
+        return read_only(look_ahead(self))
 
     @property
     def coming(self) -> tuple[Footstep, ...]:

@@ -6,7 +6,7 @@ from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.config import Configuration, NotNegative, Positive, ProperShare, Share
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
 from atlas_drake.parts.step.action import ActionRules
-from atlas_drake.parts.step.step_swing import StepSwingProfile
+from atlas_drake.parts.step.swing_path import SwingPathProfile
 from atlas_drake.units import (
     Meters,
     MetersPerRadian,
@@ -108,5 +108,5 @@ class StepConfig(Configuration):
     """Limits of the posture that unloads the standing knee and extends the reach."""
     action: ActionRules = field(default_factory=ActionRules)
     """Values of step actions, and which of a message count."""
-    swing: StepSwingProfile = field(default_factory=StepSwingProfile)
+    swing: SwingPathProfile = field(default_factory=SwingPathProfile)
     """Shape of the swing."""

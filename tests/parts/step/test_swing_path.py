@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from atlas_drake.messages.footstep import FootPose
-from atlas_drake.parts.step.step_swing import (
+from atlas_drake.parts.step.swing_path import (
     PEAK_SPEED,
-    StepSwingProfile,
-    plan_step_swing,
+    SwingPathProfile,
+    plan_swing_path,
 )
 from atlas_drake.rotations import (
     rotation_vector,
@@ -16,7 +16,7 @@ from atlas_drake.rotations import (
     rotation_z,
 )
 
-PROFILE = StepSwingProfile()
+PROFILE = SwingPathProfile()
 DT = 0.001
 LIFT, RISE, SPEED = 0.1, 0.04, 0.5
 HOME = FootPose(np.array([0.3, 0.1, 0.05]), rotation_z(0.4))
@@ -27,7 +27,7 @@ def plan(dz=0.0, duration=0.1, speed=SPEED, start=HOME, normal=NORMAL, x=0.3):
     goal = FootPose(
         HOME.p_WF + np.array([x, 0.05, dz]), rotation_with_normal(0.9, normal)
     )
-    return plan_step_swing(start, HOME, goal, LIFT, RISE, duration, speed, PROFILE)
+    return plan_swing_path(start, HOME, goal, LIFT, RISE, duration, speed, PROFILE)
 
 
 def path(swing, end=None):

@@ -24,7 +24,7 @@ of the curve [-]."""
 
 
 @dataclass(frozen=True)
-class StepSwingProfile(Configuration):
+class SwingPathProfile(Configuration):
     """Parameters of the swing that are the same for all steps of STEP."""
 
     press_depth: NotNegative[Meters] = 0.005
@@ -40,7 +40,7 @@ class StepSwingProfile(Configuration):
 
 
 @dataclass(frozen=True)
-class StepSwing:
+class SwingPath:
     """Path of a sole from lift-off to landing."""
 
     start: FootPose  # Pose at lift-off; the heel may be up
@@ -51,7 +51,7 @@ class StepSwing:
     lift: float  # Duration of lifting [s]
     move: float  # Duration of moving across [s]
     lower: float  # Duration of lowering [s]
-    profile: StepSwingProfile  # Parameters that are the same for all steps
+    profile: SwingPathProfile  # Parameters that are the same for all steps
 
     @property
     def duration(self) -> float:
@@ -103,7 +103,7 @@ class StepSwing:
         return SoleMotion(p, v, a, *turning)
 
 
-def plan_step_swing(
+def plan_swing_path(
     start: FootPose,
     home: FootPose,
     goal: FootPose,
@@ -111,8 +111,8 @@ def plan_step_swing(
     swing_height: float,
     duration: float,
     max_speed: float,
-    profile: StepSwingProfile,
-) -> StepSwing:
+    profile: SwingPathProfile,
+) -> SwingPath:
     """Plans a swing that takes ``duration`` [s], or longer within ``max_speed`` [m/s].
 
     ``home`` is the flat pose before the heel rose; ``lift_height`` [m] counts from the
@@ -135,7 +135,7 @@ def plan_step_swing(
     ]
     stretch = max(duration / sum(parts), 1.0)
     lift, move, lower = (part * stretch for part in parts)
-    return StepSwing(
+    return SwingPath(
         start, home.R_WF, goal, top, swing_height, lift, move, lower, profile
     )
 
