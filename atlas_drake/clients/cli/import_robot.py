@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import tempfile
 import time
@@ -30,7 +31,7 @@ def run_import(options: argparse.Namespace) -> int:
     progress.show("Loading ...")
     quiet_logs()
     try:
-        from atlas_drake.clients.importing.importer import folder_name, import_robot
+        from atlas_drake.clients.importing.importer import import_robot
         from atlas_drake.clients.importing.options import ImportOptions
     except ImportError as error:
         raise AtlasError(
@@ -42,7 +43,6 @@ def run_import(options: argparse.Namespace) -> int:
     source = find_source(options.robot)
     chosen = ImportOptions(
         packages=dict(options.package),
-        name=options.name,
         faces=options.faces,
         feet=options.feet and tuple(options.feet),
         chest=options.chest,
@@ -51,7 +51,7 @@ def run_import(options: argparse.Namespace) -> int:
         fixed=tuple(options.fix),
         fingers=options.fingers,
     )
-    folder: Path = options.out or Path(folder_name(source, chosen))
+    folder: Path = options.out or Path(re.sub(r"[^\w-]+", "_", source.stem))
     progress.say(f"{source}")
     findings = Findings(progress.say)
     progress.show("Reading links, joints and meshes ...")

@@ -133,7 +133,7 @@ def test_the_command_writes_robots_and_says_what_is_wrong(
     source, tmp_path, capsys, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    assert main(["import", str(source), "--no-trial", "--name", "my_bird"]) == 0
+    assert main(["import", str(source), "--no-trial", "--out", "my_bird"]) == 0
     assert load_robot(tmp_path / "my_bird" / "robot.yaml").name == "my_bird"
     assert "left leg left_hip_yaw" in capsys.readouterr().out
     assert main(["import", "nobody"]) == 2
