@@ -83,9 +83,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     ]
     for joint in loose:
         fix(tree, joint)
-    if loose:
-        names = [joint.name for joint in loose]
-        findings.add(REPAIRED, "fixed as part of a hand, or of no limb", names)
+    names = [joint.name for joint in loose]
+    findings.add_about(names, REPAIRED, "fixed as part of a hand, or of no limb")
     ordered = {
         name: limb for one in LIMBS for name, limb in limbs.items() if limb == one
     }
@@ -160,8 +159,7 @@ def _fix_below_root(tree: Tree, legs: list[list[Any]], findings: Findings) -> No
         legs[1].pop(0)
         fix(tree, joint)
         fixed.append(joint.name)
-    if fixed:
-        findings.add(REPAIRED, "fixed, between the root and the legs", fixed)
+    findings.add_about(fixed, REPAIRED, "fixed, between the root and the legs")
 
 
 def _turn(

@@ -65,7 +65,7 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
             link.inertial = urdf.Inertial(np.eye(4), LEAST_MASS, inertia)
             found.setdefault(MASSLESS, []).append(joint.child)
     for (kind, text), names in found.items():
-        findings.add(kind, text, names)
+        findings.add_about(names, kind, text)
 
 
 def _repair(

@@ -143,8 +143,7 @@ def overlapping(shapes: Shapes, file: RobotFile, findings: Findings) -> list[lis
             if sample == 0 or shapes.joints_between(one, other) <= NEAR_JOINTS:
                 pair = (str(one.name()), str(other.name()))
                 found[pair] = max(depth, found.get(pair, 0.0))
-    if found:
-        pairs = [f"{a}/{b} {1e3 * d:.0f} mm" for (a, b), d in found.items()]
-        text = f"{len(found)} pairs of shapes overlap, and do not touch"
-        findings.add(REPAIRED, text, pairs)
+    pairs = [f"{a}/{b} {1e3 * d:.0f} mm" for (a, b), d in found.items()]
+    text = f"{len(found)} pairs of shapes overlap, and do not touch"
+    findings.add_about(pairs, REPAIRED, text)
     return [list(pair) for pair in sorted(found)]

@@ -63,15 +63,14 @@ def drop_virtual_root(tree: Tree, findings: Findings) -> None:
 
 def drop_shapes(tree: Tree, findings: Findings) -> None:
     """Takes away shapes of which one size is 0: Drake has none of them."""
-    dropped: dict[str, None] = {}
+    dropped = []
     for link in tree.links.values():
+        before = len(link.visuals) + len(link.collisions)
         for shapes in (link.visuals, link.collisions):
-            kept = [shape for shape in shapes if shape.geometry.has_size]
-            if len(kept) < len(shapes):
-                dropped[link.name] = None
-                shapes[:] = kept
-    if dropped:
-        findings.add(LOST, "shapes with a size of 0", [*dropped])
+            shapes[:] = [shape for shape in shapes if shape.geometry.has_size]
+        if len(link.visuals) + len(link.collisions) < before:
+            dropped.append(link.name)
+    findings.add_about(dropped, LOST, "shapes with a size of 0")
 
 
 def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
@@ -96,7 +95,7 @@ def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
             reasons.setdefault(reason, []).append(joint.name)
             fix(tree, joint)
     for reason, names in reasons.items():
-        findings.add(REPAIRED, f"fixed {reason}", names)
+        findings.add_about(names, REPAIRED, f"fixed {reason}")
 
 
 def fix(tree: Tree, joint: Any) -> None:
@@ -156,6 +155,6 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
             guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
-        findings.add(GUESSED, f"{text}, where the file has none or 0", names)
-    if rubs:
-        findings.add(LOST, "friction of joints, not simulated", rubs)
+        text = f"{text}, where the file has none or 0"
+        findings.add_about(names, GUESSED, text)
+    findings.add_about(rubs, LOST, "friction of joints, not simulated")
