@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from atlas_drake.clients.steering.step_stream import StepStream
+from atlas_drake.errors import WaitTimeoutError
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.simulation import AtlasSimulation
@@ -17,13 +20,13 @@ ASTRAY = 0.5
 """Distance of a landed foot from its place, in lengths of the sole, from which a robot
 catches itself rather than walks [-]."""
 PIECE = 0.05
+"""Simulated time between two looks at a walk [s]."""
 
 
 def advance(sim: AtlasSimulation, seconds: float) -> None:
     """Simulates for some time [s], or until the robot falls."""
-    end = sim.time + seconds
-    while sim.time < end - 1e-9 and not sim.has_fallen:
-        sim.advance(min(PIECE, end - sim.time))
+    with suppress(WaitTimeoutError):
+        sim.wait_until(lambda sim: sim.has_fallen, seconds)
 
 
 def stands(sim: AtlasSimulation) -> bool:

@@ -133,6 +133,4 @@ def results(trial: Trial) -> list[tuple[str, str]]:
             for name, speed in trial.pushes.items()
         )
         found.append(("pushes while it stands", borne))
-    if math.isfinite(trial.real_time):
-        found.append(("simulated time per wall time", f"{trial.real_time:.1f}"))
     return found

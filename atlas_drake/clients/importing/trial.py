@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,12 +16,12 @@ from atlas_drake.clients.importing.files import write_controller
 from atlas_drake.clients.importing.gentler import find_gentler, what_bounds
 from atlas_drake.clients.importing.motions import (
     LONGEST,
-    PIECE,
     SETTLES,
     advance,
     stands,
     walk,
 )
+from atlas_drake.errors import WaitTimeoutError
 from atlas_drake.planning.walk_at import fastest
 from atlas_drake.robot import ATLAS, TRUNK
 from atlas_drake.scenario import Scenario
@@ -61,7 +62,6 @@ class Trial:
         pushes: Largest change of speed that it bears, by direction [m/s].
         events: Texts of warnings and falls.
         moments: Times in the log of standing and of a swing [s].
-        real_time: Simulated time per wall time of the first trial [-].
         bound: What bounds a robot that does not walk with its usual gait, in words.
         gentler: Steps with which such a robot walks, in words; empty if with none.
         failed: Gentler steps with which it does not walk, in words.
@@ -79,7 +79,6 @@ class Trial:
     pushes: dict[str, float] = field(default_factory=dict)
     events: list[str] = field(default_factory=list)
     moments: list[float] = field(default_factory=list)
-    real_time: float = math.nan
     bound: str = ""
     gentler: str = ""
     failed: list[str] = field(default_factory=list)
@@ -128,7 +127,7 @@ def _first_trial(
     model: Path, log: Path, say: Callable[[str], object], standing: float
 ) -> Trial:
     """Lets a robot stand for some time [s], walk and be pushed, with a log."""
-    trial, began = Trial(), time.perf_counter()
+    trial = Trial()
     with session.AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
@@ -153,7 +152,6 @@ def _first_trial(
         if trial.walks:
             say("a push")
             trial.pushed = _bears(sim, PUSHES[0] * _scale(sim), DIRECTIONS["forward"])
-        trial.real_time = sim.time / (time.perf_counter() - began)
         trial.moments = [min(moment, sim.time) for moment in trial.moments]
         trial.events = [
             f"{event.time:.2f} s: {event.text}"
@@ -210,8 +208,7 @@ def _scale(sim: AtlasSimulation) -> float:
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:
     force = np.append(direction, 0.0) * speed * sim.robot.mass / PUSH_DURATION
     sim.apply_push(TRUNK, force, PUSH_DURATION)
-    end = sim.time + LONGEST
     advance(sim, SETTLES)
-    while not stands(sim) and not sim.has_fallen and sim.time < end:
-        sim.advance(PIECE)
+    with suppress(WaitTimeoutError):
+        sim.wait_until(lambda sim: stands(sim) or sim.has_fallen, LONGEST - SETTLES)
     return stands(sim)
