@@ -34,12 +34,12 @@ def stands(sim: AtlasSimulation) -> bool:
     return sim.current_behavior is Behavior.STAND and not sim.has_fallen
 
 
-def walk(sim: AtlasSimulation, stride: float) -> bool:
+def walk(sim: AtlasSimulation) -> bool:
     """Walks; returns whether the robot took all steps, to their places, and stands."""
-    gait = sim.scenario.controller_config().gait(stride=stride)
+    gait = sim.scenario.controller_config().gait()
     report = sim.atlas_sim_interface_state
     before = len(sim.footsteps)
-    stream = StepStream(steps_ahead(report, stride * (STEPS - 1), gait))
+    stream = StepStream(steps_ahead(report, gait.stride * (STEPS - 1), gait))
     end = sim.time + LONGEST
     while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
         if sim.time > end:

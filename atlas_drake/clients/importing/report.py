@@ -120,10 +120,6 @@ def results(trial: Trial) -> list[tuple[str, str]]:
         if not trial.gentler:
             gentler = f"it does not walk with {'; '.join(trial.failed)} ones either"
         found.append(("gentler steps", gentler))
-    if trial.strides:
-        found.append(
-            ("strides", ", ".join(f"{stride:.2f} m" for stride in trial.strides))
-        )
     if trial.walks:
         found.append(("`walk_at` accepts", trial.speeds))
         found.append(("a push after the walk", yes(trial.pushed)))

@@ -1,4 +1,4 @@
-"""What an imported robot does: it stands, walks, takes longer strides and pushes."""
+"""What an imported robot does: it stands, walks and is pushed."""
 
 from __future__ import annotations
 
@@ -32,8 +32,6 @@ STANDS = 5.0
 PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
 """Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
 [s]."""
-STRIDES = (1.5, 2.0)
-"""Strides that are tried, in usual ones [-]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -57,7 +55,6 @@ class Trial:
             walking.
         stride: Usual stride [m].
         duration: Usual duration of a step [s].
-        strides: Strides that it walks [m].
         speeds: Largest velocities that ``walk_at`` accepts, in words.
         pushes: Largest change of speed that it bears, by direction [m/s].
         events: Texts of warnings and falls.
@@ -74,7 +71,6 @@ class Trial:
     near_limit: dict[str, float] = field(default_factory=dict)
     stride: float = math.nan
     duration: float = math.nan
-    strides: list[float] = field(default_factory=list)
     speeds: str = ""
     pushes: dict[str, float] = field(default_factory=dict)
     events: list[str] = field(default_factory=list)
@@ -116,8 +112,6 @@ def try_robot(
         trial.bound = f"for {usual}, {bound}"
         trial.gentler, trial.failed = gentler, failed
         deadline += time.monotonic() - began
-    if trial.walks:
-        _try_strides(model, trial, deadline, say)
     if trial.stands:
         _try_pushes(model, trial, deadline, say)
     return trial
@@ -139,7 +133,7 @@ def _first_trial(
         if trial.stands:
             say("walking")
             begins = sim.time
-            trial.walks = walk(sim, gait.stride)
+            trial.walks = walk(sim)
             errors = [step["error_m"] for step in sim.footsteps]
             trial.landing = max(errors, default=math.nan)
             trial.moments.append(begins + 1.0 + 2.5 * gait.duration)
@@ -159,25 +153,6 @@ def _first_trial(
             if event.kind in ("warning", "fall", "falling")
         ]
     return trial
-
-
-def _try_strides(
-    model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
-) -> None:
-    trial.strides = [trial.stride]
-    for share in STRIDES:
-        if time.monotonic() > deadline:
-            return
-        with session.AtlasSimulation(Scenario(model=str(model))) as sim:
-            longest = sim.scenario.controller_config().gait().longest_stride
-            stride = min(share * trial.stride, longest)
-            say(f"strides of {stride:.2f} m")
-            advance(sim, SETTLES)
-            if not walk(sim, stride):
-                return
-        trial.strides.append(stride)
-        if stride == longest:
-            return
 
 
 def _try_pushes(
