@@ -32,6 +32,8 @@ STANDS = 5.0
 PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
 """Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
 [s]."""
+LONGEST_PUSHES = 30.0
+"""Wall time after which no further push is tried [s]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -85,9 +87,7 @@ class Trial:
         return f"steps of {self.stride:.3f} m in {self.duration:.2f} s"
 
 
-def try_robot(
-    model: Path, log: Path, deadline: float, say: Callable[[str], object]
-) -> Trial:
+def try_robot(model: Path, log: Path, say: Callable[[str], object]) -> Trial:
     """Simulates a robot, with a log of the first trial.
 
     If the robot stands and does not walk, gentler gaits are tried. The first with which
@@ -96,13 +96,11 @@ def try_robot(
     Args:
         model: The robot's YAML file.
         log: File of the log.
-        deadline: ``time.monotonic`` after which nothing further is tried; a gentler
-            gait is looked for nevertheless.
         say: Takes a line on what is tried.
     """
     trial = _first_trial(model, log, say, STANDS)
     if trial.stands and not trial.walks:
-        began, usual = time.monotonic(), trial.steps
+        usual = trial.steps
         bound = what_bounds(model, say)
         gentler, values, failed = find_gentler(model, say)
         if gentler:
@@ -111,9 +109,8 @@ def try_robot(
             trial = _first_trial(model, log, say, SETTLES)
         trial.bound = f"for {usual}, {bound}"
         trial.gentler, trial.failed = gentler, failed
-        deadline += time.monotonic() - began
     if trial.stands:
-        _try_pushes(model, trial, deadline, say)
+        _try_pushes(model, trial, say)
     return trial
 
 
@@ -155,9 +152,8 @@ def _first_trial(
     return trial
 
 
-def _try_pushes(
-    model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
-) -> None:
+def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None:
+    deadline = time.monotonic() + LONGEST_PUSHES
     with session.AtlasSimulation(Scenario(model=str(model))) as sim:
         advance(sim, SETTLES)
         standing, scale = sim.snapshot(), _scale(sim)
