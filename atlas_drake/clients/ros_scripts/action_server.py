@@ -62,13 +62,13 @@ class Goal:
 
     Attributes:
         message: The ``WalkDemoGoal``.
-        status: A number of ``GOAL_STATUS``.
+        status: A number of ``GOAL_STATUS``; LOST before the server has the goal.
         text: Why the goal was not reached.
         result: The ``WalkDemoResult`` when the goal is done, None before.
     """
 
     message: Any
-    status: int = GOAL_STATUS["PENDING"]
+    status: int = GOAL_STATUS["LOST"]
     text: str = ""
     result: Any = None
 
@@ -143,7 +143,9 @@ def carry_out(sim: AtlasSimulation, goal: Any) -> Work:
         goal.manipulate_params, AtlasBehaviorManipulateParams
     )
     sim.publish(command)
-    yield from _answer(sim)
+    answered = sim.time + ANSWER
+    while sim.time <= answered:  # Reports do not reflect the command yet.
+        yield
     if command.behavior == Behavior.STEP:
         return (yield from _step(sim, begun))
     while sim.current_behavior != command.behavior:
@@ -191,13 +193,6 @@ def _step(sim: AtlasSimulation, begun: float) -> Work:
 def _is_stepping(sim: AtlasSimulation) -> bool:
     flags = sim.atlas_sim_interface_state.step_feedback.status_flags
     return bool(flags & StepStatus.SUBSTATE_STEPPING)
-
-
-def _answer(sim: AtlasSimulation) -> Generator[None, None, None]:
-    """Waits until reports reflect a command."""
-    end = sim.time + ANSWER
-    while sim.time <= end:
-        yield
 
 
 def _failure(sim: AtlasSimulation, since: float) -> str:
