@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from atlas_drake.clients.ros_scripts.clock import Clock, RunEnded
+from atlas_drake.clients.ros_scripts.python2_values import with_names
 
 _KEPT = ("current_thread", "get_ident", "local", "main_thread", "ThreadError")
 
@@ -82,8 +83,5 @@ def simulated_time(clock: Clock) -> ModuleType:
         elif not clock.advance_to(clock.sim.time + seconds):
             raise RunEnded
 
-    module = ModuleType("time", time.__doc__)
-    vars(module).update(vars(time))
-    vars(module).update(dict.fromkeys(("time", "monotonic", "perf_counter"), now))
-    vars(module).update(clock=now, sleep=sleep)
-    return module
+    clocks = dict.fromkeys(("clock", "time", "monotonic", "perf_counter"), now)
+    return with_names(time, {**clocks, "sleep": sleep})
