@@ -74,14 +74,11 @@ def simulated_threading(clock: Clock) -> dict[str, Any]:
 def simulated_time(clock: Clock) -> ModuleType:
     """Return the module ``time``; its clocks are simulated time and start at 0 s."""
 
-    def now() -> float:
-        return clock.now
-
     def sleep(seconds: float) -> None:
         if clock.paused:
             clock.count_query()
         elif not clock.advance_to(clock.sim.time + seconds):
             raise RunEnded
 
-    clocks = dict.fromkeys(("clock", "time", "monotonic", "perf_counter"), now)
+    clocks = dict.fromkeys(("clock", "time", "monotonic", "perf_counter"), clock.now)
     return with_names(time, {**clocks, "sleep": sleep})
