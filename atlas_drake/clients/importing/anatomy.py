@@ -29,10 +29,10 @@ from atlas_drake.robot.leg import KNEE, NUM_JOINTS
 from atlas_drake.rotations import rotation_z
 
 LEAST_LEG = 3
-"""Joints from which a limb is taken for a leg, to say what it lacks."""
+"""A chain with so many joints is taken for a leg, so that errors say what it lacks."""
 EVEN = 0.3
-"""Sum of a knee's limits, in their distance, up to which its range does not tell how it
-bends [-]."""
+"""A knee's range does not tell how it bends if the sum of its limits is at most this
+share of their distance [-]."""
 STRAIGHT = math.radians(1.0)
 """Angle from an axis up to which the robot faces along it [rad]."""
 BENT = 0.5

@@ -99,9 +99,9 @@ def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
 
 
 def fix(tree: Tree, joint: Any) -> None:
-    """Makes a joint fixed, at the position that is nearest to where it would be.
+    """Makes a joint fixed, at the position within its limits that is nearest to zero.
 
-    That is zero, or what it has if the joint that it mimics is at zero.
+    A joint that mimics another one is fixed where it is with the other one at zero.
     """
     if joint.type in MOTIONS:
         lower, upper = tree.limits(joint)
@@ -114,7 +114,7 @@ def fix(tree: Tree, joint: Any) -> None:
 
 
 def turn_root(tree: Tree, R_NR: np.ndarray) -> None:
-    """Gives the root another frame N, seen from which the old one, R, is turned."""
+    """Gives the root a new frame N, in which the old frame R has the rotation R_NR."""
     X = np.eye(4)
     X[:3, :3] = R_NR
     root = tree.links[tree.root]

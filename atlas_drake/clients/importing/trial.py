@@ -30,7 +30,7 @@ from atlas_drake.simulation import AtlasSimulation
 STANDS = 5.0
 """Time of standing in the first trial [s]."""
 PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
-"""Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
+"""Changes of speed by pushes, of a robot of Atlas' height [m/s]; duration of a push
 [s]."""
 LONGEST_PUSHES = 30.0
 """Wall time after which no further push is tried [s]."""
@@ -172,7 +172,7 @@ def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None
 
 
 def _scale(sim: AtlasSimulation) -> float:
-    """Returns the root of the robot's height over Atlas': pushes as Froude has them."""
+    """Returns the factor on pushes [-], which then have the Froude number of Atlas'."""
     return math.sqrt(sim.robot.com_height / ATLAS.height)
 
 

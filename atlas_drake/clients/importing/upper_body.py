@@ -23,7 +23,7 @@ ASIDE = 0.08
 """Least distance of an arm from the middle, in heights of the chest above the feet
 [-]; what is nearer is a neck."""
 TRUNK_SHARE = 0.6
-"""Share of the joints above the pelvis from which a branch is the trunk [-]."""
+"""A branch with this share of the joints above the pelvis or more is the trunk [-]."""
 
 
 def find_upper_body(
