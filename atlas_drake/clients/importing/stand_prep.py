@@ -24,7 +24,6 @@ from atlas_drake.clients.importing.findings import (
     ImportRefused,
 )
 from atlas_drake.clients.importing.joint_defaults import default_gains, rotor_inertias
-from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
@@ -56,10 +55,7 @@ def find_stand_prep(
     plant: Any = MultibodyPlant(time_step=0.0)
     parse(plant, urdf)
     plant.Finalize()
-    try:
-        legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
-    except RobotDescriptionError as error:
-        raise ImportRefused(error.problem) from None
+    legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
     joints = [plant.GetJointByName(joint.name) for joint in file.joints]
     lower = np.array([joint.position_lower_limit() for joint in joints])
     upper = np.array([joint.position_upper_limit() for joint in joints])
