@@ -122,7 +122,6 @@ def results(trial: Trial) -> list[tuple[str, str]]:
         found.append(("gentler steps", gentler))
     if trial.walks:
         found.append(("`walk_at` accepts", trial.speeds))
-        found.append(("a push after the walk", yes(trial.pushed)))
     if trial.pushes:
         borne = ", ".join(
             f"{name} {speed:.2f} m/s" if speed else f"{name} none"

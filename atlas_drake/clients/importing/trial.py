@@ -52,7 +52,6 @@ class Trial:
         stands: Whether it stood on its feet.
         walks: Whether it took all steps, to their places, and stood again.
         landing: Largest distance of a landed foot from its place [m].
-        pushed: Whether it bore the first push.
         near_limit: Peak share of its effort limit, by joint, while standing and
             walking.
         stride: Usual stride [m].
@@ -69,7 +68,6 @@ class Trial:
     stands: bool = False
     walks: bool = False
     landing: float = math.nan
-    pushed: bool = False
     near_limit: dict[str, float] = field(default_factory=dict)
     stride: float = math.nan
     duration: float = math.nan
@@ -117,7 +115,7 @@ def try_robot(model: Path, log: Path, say: Callable[[str], object]) -> Trial:
 def _first_trial(
     model: Path, log: Path, say: Callable[[str], object], standing: float
 ) -> Trial:
-    """Lets a robot stand for some time [s], walk and be pushed, with a log."""
+    """Lets a robot stand for some time [s], and walk, with a log."""
     trial = Trial()
     with session.AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
@@ -140,9 +138,6 @@ def _first_trial(
                 for name, share in zip(sim.robot.joint_names, shares, strict=True)
                 if share > NEAR_LIMIT
             }
-        if trial.walks:
-            say("a push")
-            trial.pushed = _bears(sim, PUSHES[0] * _scale(sim), DIRECTIONS["forward"])
         trial.moments = [min(moment, sim.time) for moment in trial.moments]
         trial.events = [
             f"{event.time:.2f} s: {event.text}"
@@ -156,7 +151,9 @@ def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None
     deadline = time.monotonic() + LONGEST_PUSHES
     with session.AtlasSimulation(Scenario(model=str(model))) as sim:
         advance(sim, SETTLES)
-        standing, scale = sim.snapshot(), _scale(sim)
+        standing = sim.snapshot()
+        # The pushes then have the Froude number of Atlas'.
+        scale = math.sqrt(sim.robot.com_height / ATLAS.height)
         open_ = dict(DIRECTIONS)
         for speed in PUSHES:
             for name, direction in list(open_.items()):
@@ -169,11 +166,6 @@ def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None
                 else:
                     trial.pushes.setdefault(name, 0.0)
                     del open_[name]
-
-
-def _scale(sim: AtlasSimulation) -> float:
-    """Returns the factor on pushes [-], which then have the Froude number of Atlas'."""
-    return math.sqrt(sim.robot.com_height / ATLAS.height)
 
 
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:

@@ -171,10 +171,11 @@ def test_jvrc_walks(tmp_path, monkeypatch):
     assert robot.legs[0].planar is None
     from atlas_drake.clients.importing.trial import try_robot
 
-    monkeypatch.setattr("atlas_drake.clients.importing.trial.LONGEST_PUSHES", 0.0)
+    monkeypatch.setattr("atlas_drake.clients.importing.trial.PUSHES", (0.2,))
     trial = try_robot(robot.path, tmp_path / "log.mcap", lambda text: None)
     assert trial.walks
-    assert trial.pushed
+    assert len(trial.pushes) == 4
+    assert all(trial.pushes.values())
     assert trial.landing < 0.01
     assert find_source("jvrc").name == "jvrc1.urdf"
 
