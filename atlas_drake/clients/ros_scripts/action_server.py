@@ -80,7 +80,7 @@ class ActionServer:
         """Begins without a goal; ``say`` prints why one was not reached."""
         self._sim, self._say = sim, say
         self._goal: Goal | None = None
-        self._work: Work | None = None
+        self._work: Work
 
     def accept(self, goal: Goal) -> None:
         """Takes a goal in place of the present one."""
@@ -97,8 +97,6 @@ class ActionServer:
 
     def __call__(self, sim: AtlasSimulation) -> None:
         """Works on the goal for one turn."""
-        if self._work is None:
-            return
         try:
             next(self._work)
         except StopIteration as end:
@@ -117,7 +115,7 @@ class ActionServer:
         )
         if text:
             self._say(f"! atlas/bdi_control: goal aborted: {text}")
-        self._goal = self._work = None
+        self._goal = None
         self._sim.hooks.remove(self)
 
 
