@@ -154,18 +154,16 @@ def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None
         standing = sim.snapshot()
         # The pushes then have the Froude number of Atlas'.
         scale = math.sqrt(sim.robot.com_height / ATLAS.height)
-        open_ = dict(DIRECTIONS)
-        for speed in PUSHES:
-            for name, direction in list(open_.items()):
+        for name, direction in DIRECTIONS.items():
+            for speed in PUSHES:
                 if time.monotonic() > deadline:
                     return
                 say(f"a push of {speed * scale:.2f} m/s {name}")
                 sim.restore(standing)
-                if _bears(sim, speed * scale, direction):
-                    trial.pushes[name] = round(speed * scale, 3)
-                else:
+                if not _bears(sim, speed * scale, direction):
                     trial.pushes.setdefault(name, 0.0)
-                    del open_[name]
+                    break
+                trial.pushes[name] = round(speed * scale, 3)
 
 
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:
