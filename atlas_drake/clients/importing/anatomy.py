@@ -153,13 +153,13 @@ def _ends_of_legs(tree: Tree, ends: list[str]) -> list[str]:
 
 def _fix_below_root(tree: Tree, legs: list[list[Any]], findings: Findings) -> None:
     """Fixes joints between root and pelvis: the root carries both legs."""
-    fixed = []
-    while legs[0] and legs[1] and legs[0][0] is legs[1][0]:
-        joint = legs[0].pop(0)
-        legs[1].pop(0)
+    shared = [joint for joint in legs[0] if joint in legs[1]]
+    for joint in shared:
         fix(tree, joint)
-        fixed.append(joint.name)
-    findings.add_about(fixed, REPAIRED, "fixed, between the root and the legs")
+    for leg in legs:
+        del leg[: len(shared)]
+    names = [joint.name for joint in shared]
+    findings.add_about(names, REPAIRED, "fixed, between the root and the legs")
 
 
 def _turn(
