@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +33,7 @@ def add_import_command(commands: Any) -> None:
         "--out",
         type=Path,
         metavar="FOLDER",
-        help="where to write (default: a folder with the robot's name)",
-    )
-    command.add_argument(
-        "--name",
-        type=_name,
-        metavar="NAME",
-        help="name of the folder, and so of the robot: letters, digits, _ and -",
+        help="where to write; its name becomes the robot's (default: that of the file)",
     )
     command.add_argument(
         "--package",
@@ -92,12 +85,6 @@ def add_import_command(commands: Any) -> None:
         help="keep moving fingers as joints of the limbs l_hand and r_hand",
     )
     command.set_defaults(run="import_robot.run_import", reads=())
-
-
-def _name(text: str) -> str:
-    if not re.fullmatch(r"[\w-]+", text):
-        raise argparse.ArgumentTypeError(f"is {text!r}; must be letters, digits, _, -")
-    return text
 
 
 def _package(text: str) -> tuple[str, Path]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,18 +19,14 @@ if TYPE_CHECKING:
     from atlas_drake.clients.importing.findings import Findings
     from atlas_drake.robot import Robot
 
-LONGEST = 50.0
-"""Wall time after which nothing further is tried [s]."""
-
 
 def run_import(options: argparse.Namespace) -> int:
     """Imports a robot; returns the exit status."""
-    deadline = time.monotonic() + LONGEST
     progress = StatusLine(sys.stdout)
     progress.show("Loading ...")
     quiet_logs()
     try:
-        from atlas_drake.clients.importing.importer import folder_name, import_robot
+        from atlas_drake.clients.importing.importer import import_robot
         from atlas_drake.clients.importing.options import ImportOptions
     except ImportError as error:
         raise AtlasError(
@@ -42,7 +38,6 @@ def run_import(options: argparse.Namespace) -> int:
     source = find_source(options.robot)
     chosen = ImportOptions(
         packages=dict(options.package),
-        name=options.name,
         faces=options.faces,
         feet=options.feet and tuple(options.feet),
         chest=options.chest,
@@ -51,7 +46,7 @@ def run_import(options: argparse.Namespace) -> int:
         fixed=tuple(options.fix),
         fingers=options.fingers,
     )
-    folder: Path = options.out or Path(folder_name(source, chosen))
+    folder: Path = options.out or Path(re.sub(r"[^\w-]+", "_", source.stem))
     progress.say(f"{source}")
     findings = Findings(progress.say)
     progress.show("Reading links, joints and meshes ...")
@@ -63,16 +58,10 @@ def run_import(options: argparse.Namespace) -> int:
     progress.say(f"Wrote {folder}/robot.yaml")
     if options.no_trial:
         return exit_status.OK
-    return _try(robot, folder, findings, deadline, progress)
+    return _try(robot, folder, findings, progress)
 
 
-def _try(
-    robot: Robot,
-    folder: Path,
-    findings: Findings,
-    deadline: float,
-    progress: StatusLine,
-) -> int:
+def _try(robot: Robot, folder: Path, findings: Findings, progress: StatusLine) -> int:
     """Lets the robot stand, walk and be pushed, and writes the report."""
     from atlas_drake.clients.importing.files import PAGE, PICTURE
     from atlas_drake.clients.importing.report import results, write_page, write_picture
@@ -84,7 +73,7 @@ def _try(
     with tempfile.TemporaryDirectory() as temporary:
         log = Path(temporary) / "trial.mcap"
         try:
-            trial = try_robot(robot.path, log, deadline, say)
+            trial = try_robot(robot.path, log, say)
         except KeyboardInterrupt:
             progress.say(f"Interrupted: {folder}/robot.yaml is whole, but not tried")
             raise

@@ -29,10 +29,10 @@ from atlas_drake.robot.leg import KNEE, NUM_JOINTS
 from atlas_drake.rotations import rotation_z
 
 LEAST_LEG = 3
-"""Joints from which a limb is taken for a leg, to say what it lacks."""
+"""A chain with so many joints is taken for a leg, so that errors say what it lacks."""
 EVEN = 0.3
-"""Sum of a knee's limits, in their distance, up to which its range does not tell how it
-bends [-]."""
+"""A knee's range does not tell how it bends if the sum of its limits is at most this
+share of their distance [-]."""
 STRAIGHT = math.radians(1.0)
 """Angle from an axis up to which the robot faces along it [rad]."""
 BENT = 0.5
@@ -83,9 +83,8 @@ def find_anatomy(tree: Tree, options: ImportOptions, findings: Findings) -> Anat
     ]
     for joint in loose:
         fix(tree, joint)
-    if loose:
-        names = [joint.name for joint in loose]
-        findings.add(REPAIRED, "fixed as part of a hand, or of no limb", names)
+    names = [joint.name for joint in loose]
+    findings.add_about(names, REPAIRED, "fixed as part of a hand, or of no limb")
     ordered = {
         name: limb for one in LIMBS for name, limb in limbs.items() if limb == one
     }
@@ -154,14 +153,13 @@ def _ends_of_legs(tree: Tree, ends: list[str]) -> list[str]:
 
 def _fix_below_root(tree: Tree, legs: list[list[Any]], findings: Findings) -> None:
     """Fixes joints between root and pelvis: the root carries both legs."""
-    fixed = []
-    while legs[0] and legs[1] and legs[0][0] is legs[1][0]:
-        joint = legs[0].pop(0)
-        legs[1].pop(0)
+    shared = [joint for joint in legs[0] if joint in legs[1]]
+    for joint in shared:
         fix(tree, joint)
-        fixed.append(joint.name)
-    if fixed:
-        findings.add(REPAIRED, "fixed, between the root and the legs", fixed)
+    for leg in legs:
+        del leg[: len(shared)]
+    names = [joint.name for joint in shared]
+    findings.add_about(names, REPAIRED, "fixed, between the root and the legs")
 
 
 def _turn(

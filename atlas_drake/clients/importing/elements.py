@@ -67,10 +67,6 @@ _NUMBERS = {
     "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), _NO_LIMIT),
     "dynamics": {"damping": _NOT_NEGATIVE, "friction": _NOT_NEGATIVE},
     "mimic": {"multiplier": _ANY, "offset": _ANY},
-    "calibration": {"rising": _ANY, "falling": _ANY},
-    "safety_controller": dict.fromkeys(
-        ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), _NO_LIMIT
-    ),
 }
 """The attributes of each element that are numbers."""
 _NEEDED = {

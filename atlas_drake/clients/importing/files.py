@@ -83,8 +83,7 @@ def write_urdf(
     upright = np.eye(4)
     upright[:3, :3] = X[anatomy.chest][:3, :3].T
     _add_frame(root, UPRIGHT, anatomy.chest, upright)
-    if flat:
-        findings.add(LOST, "collision shapes without a volume", flat)
+    findings.add_about(flat, LOST, "collision shapes without a volume")
     if meshes.lost:
         first, reason = next(iter(meshes.lost.items()))
         findings.add(
@@ -224,15 +223,13 @@ def _add_joint(root: Any, joint: Any, rotor: Mapping[str, float]) -> None:
 def add_rotors(urdf: Path, inertias: Mapping[str, float]) -> None:
     """Adds rotor inertias to those of the motors of a URDF, at the joints [kg·m²]."""
     tree = etree.parse(str(urdf), etree.XMLParser(remove_blank_text=True))
-    for transmission in tree.iterfind("transmission"):
-        actuator = transmission.find("actuator")
+    for actuator in tree.iterfind("transmission/actuator"):
         inertia = inertias.get(actuator.get("name"))
         if inertia is not None:
             given = {one.tag: float(one.get("value")) for one in actuator}
             ratio = given.get(GEAR_RATIO) or 1.0
             rotor = given.get(ROTOR_INERTIA, 0.0) + inertia / ratio**2
-            for one in list(actuator):
-                actuator.remove(one)
+            del actuator[:]
             for tag, value in ((ROTOR_INERTIA, rotor), (GEAR_RATIO, ratio)):
                 etree.SubElement(actuator, tag, value=_text(value))
     tree.write(str(urdf), pretty_print=True, xml_declaration=True, encoding="utf-8")
@@ -262,6 +259,10 @@ def write_yaml(
 ) -> Path:
     """Writes the robot's YAML file, one line per joint, for people to edit."""
     length, width = file.sole.length, file.sole.width
+    hands = [f"hands: [{', '.join(map(_name, file.hands))}]"] if file.hands else []
+    pairs = [f"- [{_name(a)}, {_name(b)}]" for a, b in file.no_collisions]
+    if pairs:
+        pairs.insert(0, "no_collisions: # Their shapes overlap.")
     lines = [
         f"# Imported from {printable(source)}. Edit it freely: another import keeps it "
         f"as {KEPT}.",
@@ -269,29 +270,24 @@ def write_yaml(
         f"urdf: {file.urdf}",
         f"pelvis: {_name(file.pelvis)}",
         f"chest: {file.chest} # The chest, parallel to the pelvis.",
-    ]
-    if file.hands:
-        lines.append(f"hands: [{', '.join(map(_name, file.hands))}]")
-    lines.append("feet:")
-    lines += [
-        f"- {{body: {_name(foot.body)}, sole_frame: {foot.sole_frame}}}"
-        for foot in file.feet
-    ]
-    lines.append(f"sole: {{length: {length:.4f}, width: {width:.4f}}}")
-    if file.no_collisions:
-        lines.append("no_collisions: # Their shapes overlap.")
-        lines += [f"- [{_name(a)}, {_name(b)}]" for a, b in file.no_collisions]
-    lines.append(
-        "# The controller's values scale with the robot; others go here, as in"
-    )
-    lines.append(EXAMPLE)
-    lines.append("# kp [N·m/rad] and kd [N·m·s/rad] are in force before any command;")
-    lines.append("# stand_prep [rad] is the pose from which STAND can begin.")
-    lines.append("joints:")
-    lines += [
-        f"- {{name: {_name(joint.name)}, limb: {joint.limb}, kp: {joint.kp:.3g}, "
-        f"kd: {joint.kd:.3g}, stand_prep: {_text(joint.stand_prep)}}}"
-        for joint in file.joints
+        *hands,
+        "feet:",
+        *(
+            f"- {{body: {_name(foot.body)}, sole_frame: {foot.sole_frame}}}"
+            for foot in file.feet
+        ),
+        f"sole: {{length: {length:.4f}, width: {width:.4f}}}",
+        *pairs,
+        "# The controller's values scale with the robot; others go here, as in",
+        EXAMPLE,
+        "# kp [N·m/rad] and kd [N·m·s/rad] are in force before any command;",
+        "# stand_prep [rad] is the pose from which STAND can begin.",
+        "joints:",
+        *(
+            f"- {{name: {_name(joint.name)}, limb: {joint.limb}, kp: {joint.kp:.3g}, "
+            f"kd: {joint.kd:.3g}, stand_prep: {_text(joint.stand_prep)}}}"
+            for joint in file.joints
+        ),
     ]
     path = folder / YAML
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -27,13 +27,16 @@ class Findings:
     say: Callable[[str], object]
     lines: list[tuple[str, str]] = field(default_factory=list)
 
-    def add(self, kind: str, text: str, names: Sequence[str] = ()) -> None:
-        """Adds a finding of one of the kinds above, about links or joints by name."""
-        if names:
-            text = f"{text}: {listed(names)}"
+    def add(self, kind: str, text: str) -> None:
+        """Adds a finding of one of the kinds above."""
         text = printable(text)
         self.lines.append((kind, text))
         self.say(f"{kind:>9}  {text}")
+
+    def add_about(self, names: Sequence[str], kind: str, text: str) -> None:
+        """Adds a finding about links or joints, if there are any."""
+        if names:
+            self.add(kind, f"{text}: {listed(names)}")
 
     def of(self, kind: str) -> list[str]:
         """Returns the texts of one kind."""

@@ -79,7 +79,7 @@ def _efforts_of_walk(scenario: Scenario) -> np.ndarray | None:
     with AtlasSimulation(scenario) as sim:
         try:
             advance(sim, SETTLES)
-            does_walk = walk(sim, sim.scenario.controller_config().gait().stride)
+            does_walk = walk(sim)
         except SimulationError:  # Its motors threw it about.
             return None
         if not does_walk:

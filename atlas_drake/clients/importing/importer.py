@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from dataclasses import replace
 from functools import partial
@@ -124,11 +123,6 @@ def _make(
         raise ImportRefused(f"{error.field}: {error.problem}") from None
     except RuntimeError as error:
         raise ImportRefused(f"Drake does not read the robot: {error}") from None
-
-
-def folder_name(source: Path, options: ImportOptions) -> str:
-    """Returns the name of the robot, which its folder has."""
-    return options.name or re.sub(r"[^\w-]+", "_", source.stem)
 
 
 def _robot_file(tree: Tree, anatomy: Anatomy, soles: Soles) -> RobotFile:

@@ -28,8 +28,8 @@ DENSITY = 1000.0
 LEAST_INERTIA = 1e-7
 """Least principal moment that is no error, per mass [m²]."""
 ROUNDED, EXACT = 1e-3, 1e-6
-"""Error of the largest principal moment that is rounding, and what is left to spare
-[-]."""
+"""Shares of the largest principal moment [-]: by the first it may exceed the sum of the
+other two, which is rounding; by the second it is less after the repair."""
 IMPOSSIBLE = REPAIRED, "inertia that no body has, that of its shape taken"
 MISSING = REPAIRED, "inertia of zero or none, that of its shape taken"
 WEIGHTLESS = LOST, "inertia of links without mass"
@@ -65,7 +65,7 @@ def repair_inertias(tree: Tree, meshes: MeshLibrary, findings: Findings) -> None
             link.inertial = urdf.Inertial(np.eye(4), LEAST_MASS, inertia)
             found.setdefault(MASSLESS, []).append(joint.child)
     for (kind, text), names in found.items():
-        findings.add(kind, text, names)
+        findings.add_about(names, kind, text)
 
 
 def _repair(

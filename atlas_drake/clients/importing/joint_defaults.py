@@ -42,11 +42,11 @@ def rotor_inertias(
             found[joint.name] = share * scale - inertia
     if found:
         least, most = min(found.values()), max(found.values())
-        findings.add(
+        findings.add_about(
+            list(found),
             GUESSED,
             f"rotor inertia of {least:.1g} to {most:.1g} kg·m², as the links alone are "
             "too light",
-            list(found),
         )
     return found
 

@@ -5,7 +5,6 @@ Reading, hulls, simplification and writing are trimesh's.
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -14,10 +13,8 @@ from typing import Any
 import numpy as np
 import trimesh
 from PIL.Image import Resampling
-from trimesh.resolvers import FilePathResolver
 from trimesh.visual.material import PBRMaterial
 
-from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.clients.importing.geometry import Geometry
 
 MOST_FACES = 6000
@@ -29,8 +26,6 @@ ENDINGS = (".stl", ".obj", ".dae", ".gltf", ".glb", ".ply")
 LARGEST = 50_000_000
 """Size of the largest file that is read [byte]: the largest mesh of the robots in
 packages has 29 MB."""
-MOST_ELEMENTS = 10_000_000
-"""Largest number of vertices, normals and the like of a glTF file."""
 _TO_Y_UP = trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0])
 """glTF files have y up, and are turned back by whoever reads them."""
 _ROUGHNESS = 0.8
@@ -104,7 +99,7 @@ def _scaled(shape: Shape, scale: Sequence[float]) -> Shape:
 
 def _read(path: Path) -> Shape:
     _check_file(path)
-    scene = trimesh.load_scene(path, resolver=_Beside(path))
+    scene = trimesh.load_scene(path)
     parts = [one for one in scene.dump() if len(getattr(one, "faces", ()))]
     if not parts:
         raise ValueError(f"{path} has no triangles")
@@ -122,42 +117,10 @@ def _read(path: Path) -> Shape:
     return parts
 
 
-class _Beside(FilePathResolver):
-    """Finds what a mesh names, such as colors: files of its folder, not too large."""
-
-    def get(self, name: str) -> bytes:
-        """Returns the content of a file."""
-        folder = Path(self.parent).resolve()
-        path = (folder / name.strip()).resolve()
-        if not path.is_relative_to(folder):
-            raise FileNotFoundError(f"{path}: is not in the folder of the mesh")
-        if problem := why_not_readable(path):
-            raise FileNotFoundError(f"{path}: {problem}")
-        _check_size(path)
-        return path.read_bytes()
-
-
 def _check_file(path: Path) -> None:
     """Refuses, unread, what is no mesh: an archive may unpack to any size."""
     if path.suffix.lower() not in ENDINGS:
         raise ValueError(f"{path} is no mesh: must end in one of {', '.join(ENDINGS)}")
-    _check_size(path)
-    if path.suffix.lower() in (".gltf", ".glb"):
-        _check_gltf(path)
-
-
-def _check_gltf(path: Path) -> None:
-    """Refuses a small file with any number of elements: without data they are 0."""
-    data = path.read_bytes()
-    if data.startswith(b"glTF"):  # The binary form begins with the length of its JSON.
-        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]
-    count = sum(int(one["count"]) for one in json.loads(data).get("accessors", ()))
-    if count > MOST_ELEMENTS:
-        rule = f"must have at most {MOST_ELEMENTS}"
-        raise ValueError(f"{path} has {count} elements; {rule}")
-
-
-def _check_size(path: Path) -> None:
     size = path.stat().st_size
     if size > LARGEST:
         raise ValueError(

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from atlas_drake.clients.steering.step_stream import StepStream
+from atlas_drake.errors import WaitTimeoutError
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footstep_planner import steps_ahead
 from atlas_drake.simulation import AtlasSimulation
@@ -17,13 +20,13 @@ ASTRAY = 0.5
 """Distance of a landed foot from its place, in lengths of the sole, from which a robot
 catches itself rather than walks [-]."""
 PIECE = 0.05
+"""Simulated time between two looks at a walk [s]."""
 
 
 def advance(sim: AtlasSimulation, seconds: float) -> None:
     """Simulates for some time [s], or until the robot falls."""
-    end = sim.time + seconds
-    while sim.time < end - 1e-9 and not sim.has_fallen:
-        sim.advance(min(PIECE, end - sim.time))
+    with suppress(WaitTimeoutError):
+        sim.wait_until(lambda sim: sim.has_fallen, seconds)
 
 
 def stands(sim: AtlasSimulation) -> bool:
@@ -31,12 +34,12 @@ def stands(sim: AtlasSimulation) -> bool:
     return sim.current_behavior is Behavior.STAND and not sim.has_fallen
 
 
-def walk(sim: AtlasSimulation, stride: float) -> bool:
+def walk(sim: AtlasSimulation) -> bool:
     """Walks; returns whether the robot took all steps, to their places, and stands."""
-    gait = sim.scenario.controller_config().gait(stride=stride)
+    gait = sim.scenario.controller_config().gait()
     report = sim.atlas_sim_interface_state
     before = len(sim.footsteps)
-    stream = StepStream(steps_ahead(report, stride * (STEPS - 1), gait))
+    stream = StepStream(steps_ahead(report, gait.stride * (STEPS - 1), gait))
     end = sim.time + LONGEST
     while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
         if sim.time > end:

@@ -15,7 +15,6 @@ class ImportOptions:
 
     Attributes:
         packages: Folders of ``package://`` names.
-        name: Name of the robot.
         faces: Axis of the root's frame along which the robot faces.
         feet: Links of the left and the right foot.
         chest: Link that balance keeps upright.
@@ -28,7 +27,6 @@ class ImportOptions:
     """
 
     packages: dict[str, Path] = field(default_factory=dict)
-    name: str | None = None
     faces: str | None = None
     feet: tuple[str, str] | None = None
     chest: str | None = None

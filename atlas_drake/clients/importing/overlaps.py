@@ -20,9 +20,9 @@ from atlas_drake.robot.parsing import parse
 OVERLAP = 1e-5
 """Depth from which shapes overlap [m]."""
 NEAR_JOINTS, SAMPLES, SPREAD = 4, 30, 0.3
-"""Links this many joints apart at most are also compared in random poses about the
-stand-prep pose, so many and so far [rad]: hulls of hips and thighs overlap when they
-turn."""
+"""Links that are at most ``NEAR_JOINTS`` joints apart are also compared in ``SAMPLES``
+random poses, whose joints differ from the stand-prep pose by at most ``SPREAD`` [rad]:
+hulls of hips and thighs overlap when they turn."""
 SPREADS = (0.15, 0.3, 0.45, 0.6)
 """Turns of a shoulder's joints that are tried to clear the arms [rad]."""
 APART = 0.6
@@ -143,8 +143,7 @@ def overlapping(shapes: Shapes, file: RobotFile, findings: Findings) -> list[lis
             if sample == 0 or shapes.joints_between(one, other) <= NEAR_JOINTS:
                 pair = (str(one.name()), str(other.name()))
                 found[pair] = max(depth, found.get(pair, 0.0))
-    if found:
-        pairs = [f"{a}/{b} {1e3 * d:.0f} mm" for (a, b), d in found.items()]
-        text = f"{len(found)} pairs of shapes overlap, and do not touch"
-        findings.add(REPAIRED, text, pairs)
+    pairs = [f"{a}/{b} {1e3 * d:.0f} mm" for (a, b), d in found.items()]
+    text = f"{len(found)} pairs of shapes overlap, and do not touch"
+    findings.add_about(pairs, REPAIRED, text)
     return [list(pair) for pair in sorted(found)]

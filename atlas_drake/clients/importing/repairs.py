@@ -63,15 +63,14 @@ def drop_virtual_root(tree: Tree, findings: Findings) -> None:
 
 def drop_shapes(tree: Tree, findings: Findings) -> None:
     """Takes away shapes of which one size is 0: Drake has none of them."""
-    dropped: dict[str, None] = {}
+    dropped = []
     for link in tree.links.values():
+        before = len(link.visuals) + len(link.collisions)
         for shapes in (link.visuals, link.collisions):
-            kept = [shape for shape in shapes if shape.geometry.has_size]
-            if len(kept) < len(shapes):
-                dropped[link.name] = None
-                shapes[:] = kept
-    if dropped:
-        findings.add(LOST, "shapes with a size of 0", [*dropped])
+            shapes[:] = [shape for shape in shapes if shape.geometry.has_size]
+        if len(link.visuals) + len(link.collisions) < before:
+            dropped.append(link.name)
+    findings.add_about(dropped, LOST, "shapes with a size of 0")
 
 
 def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
@@ -96,13 +95,13 @@ def fix_joints(tree: Tree, named: Iterable[str], findings: Findings) -> None:
             reasons.setdefault(reason, []).append(joint.name)
             fix(tree, joint)
     for reason, names in reasons.items():
-        findings.add(REPAIRED, f"fixed {reason}", names)
+        findings.add_about(names, REPAIRED, f"fixed {reason}")
 
 
 def fix(tree: Tree, joint: Any) -> None:
-    """Makes a joint fixed, at the position that is nearest to where it would be.
+    """Makes a joint fixed, at the position within its limits that is nearest to zero.
 
-    That is zero, or what it has if the joint that it mimics is at zero.
+    A joint that mimics another one is fixed where it is with the other one at zero.
     """
     if joint.type in MOTIONS:
         lower, upper = tree.limits(joint)
@@ -115,7 +114,7 @@ def fix(tree: Tree, joint: Any) -> None:
 
 
 def turn_root(tree: Tree, R_NR: np.ndarray) -> None:
-    """Gives the root another frame N, seen from which the old one, R, is turned."""
+    """Gives the root a new frame N, in which the old frame R has the rotation R_NR."""
     X = np.eye(4)
     X[:3, :3] = R_NR
     root = tree.links[tree.root]
@@ -156,6 +155,6 @@ def repair_limits(tree: Tree, findings: Findings) -> None:
             text = f"damping of {USUAL_DAMPING:g} s/rad of the effort limit"
             guessed.setdefault(text, []).append(joint.name)
     for text, names in guessed.items():
-        findings.add(GUESSED, f"{text}, where the file has none or 0", names)
-    if rubs:
-        findings.add(LOST, "friction of joints, not simulated", rubs)
+        text = f"{text}, where the file has none or 0"
+        findings.add_about(names, GUESSED, text)
+    findings.add_about(rubs, LOST, "friction of joints, not simulated")

@@ -120,19 +120,12 @@ def results(trial: Trial) -> list[tuple[str, str]]:
         if not trial.gentler:
             gentler = f"it does not walk with {'; '.join(trial.failed)} ones either"
         found.append(("gentler steps", gentler))
-    if trial.strides:
-        found.append(
-            ("strides", ", ".join(f"{stride:.2f} m" for stride in trial.strides))
-        )
     if trial.walks:
         found.append(("`walk_at` accepts", trial.speeds))
-        found.append(("a push after the walk", yes(trial.pushed)))
     if trial.pushes:
         borne = ", ".join(
             f"{name} {speed:.2f} m/s" if speed else f"{name} none"
             for name, speed in trial.pushes.items()
         )
         found.append(("pushes while it stands", borne))
-    if math.isfinite(trial.real_time):
-        found.append(("simulated time per wall time", f"{trial.real_time:.1f}"))
     return found

@@ -20,12 +20,13 @@ from atlas_drake.clients.importing.options import ImportOptions
 from atlas_drake.clients.importing.tree import Tree
 
 DEPTH = 0.03
-"""Height above the lowest point up to which a foot is sole, in its lengths [-]."""
+"""The sole is what lies at most so high above a foot's lowest point, in lengths of the
+foot [-]."""
 LEAST_LENGTH, LEAST_WIDTH = 0.03, 0.015
 """Least size of a sole [m]; a point foot has none."""
 FILLED, LEAST_SHARE = 0.9, 0.3
-"""Share of its rectangle below which a sole is round, and below which it is none
-[-]."""
+"""A sole that fills less of its rectangle than the first share is round; one that fills
+less than the second is none [-]."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,10 @@ def _area(points: np.ndarray) -> float:
 
 
 def _upright(X_PL: np.ndarray, place: np.ndarray | list[float]) -> np.ndarray:
-    """Returns the frame at a place, parallel to the pelvis, in the link's frame."""
+    """Returns the pose of a sole S in its link L, shape (4, 4).
+
+    The sole is parallel to the pelvis P, and at a ``place`` in it [m].
+    """
     X_PS = np.eye(4)
     X_PS[:3, 3] = place
     inverse: np.ndarray = np.linalg.inv(X_PL) @ X_PS

@@ -24,7 +24,6 @@ from atlas_drake.clients.importing.findings import (
     ImportRefused,
 )
 from atlas_drake.clients.importing.joint_defaults import default_gains, rotor_inertias
-from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot import LEGS, Leg, RobotFile
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.parsing import parse
@@ -56,10 +55,7 @@ def find_stand_prep(
     plant: Any = MultibodyPlant(time_step=0.0)
     parse(plant, urdf)
     plant.Finalize()
-    try:
-        legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
-    except RobotDescriptionError as error:
-        raise ImportRefused(error.problem) from None
+    legs = read_legs(plant, plant.GetBodyByName(file.pelvis), file)
     joints = [plant.GetJointByName(joint.name) for joint in file.joints]
     lower = np.array([joint.position_lower_limit() for joint in joints])
     upper = np.array([joint.position_upper_limit() for joint in joints])
@@ -79,7 +75,9 @@ def find_stand_prep(
         joint.set_angle(context, angle)
     _check_efforts(plant, context, file, joints, findings)
     height = _com_height(plant, context, file)
-    mass, inertias = plant.CalcTotalMass(context), _inertias(plant, context, joints)
+    mass = plant.CalcTotalMass(context)
+    turned = np.diag(plant.CalcMassMatrix(context))
+    inertias = [float(turned[joint.velocity_start()]) for joint in joints]
     gains = default_gains(file, legs, mass, height, inertias)
     findings.add(
         FOUND,
@@ -173,22 +171,19 @@ def _solve(
     program.SetInitialGuess(com, np.array([0.0, 0.0, height]))
     result = Solve(program)
     found = result.GetSolution(q)
+    angles = np.array([found[joint.position_start()] for joint in joints])
     if not result.is_success():
-        plant.SetPositions(context, found)
+        left = np.minimum(angles - lower, upper - angles)
         stops = [
             f"{file.joints[k].name} ({lower[k]:.3g} to {upper[k]:.3g} rad)"
             for k in sorted(in_legs)
-            if min(
-                found[joints[k].position_start()] - lower[k],
-                upper[k] - found[joints[k].position_start()],
-            )
-            < 2.0 * MARGIN
+            if left[k] < 2.0 * MARGIN
         ]
         at = f"; at their stops are {', '.join(stops)}" if stops else ""
         raise ImportRefused(
             f"no pose has flat soles {width:.2f} m apart below the center of mass{at}"
         )
-    return np.array([found[joint.position_start()] for joint in joints])
+    return angles
 
 
 def _com_height(plant: Any, context: Any, file: RobotFile) -> float:
@@ -207,8 +202,12 @@ def _check_efforts(
     weak = []
     load = np.array([0.0, 0.0, 0.5 * GRAVITY * plant.CalcTotalMass(context)])
     torque = -plant.CalcGravityGeneralizedForces(context)
+    world = plant.world_frame()
     for foot in file.feet:
-        J = _jacobian(plant, context, plant.GetFrameByName(foot.sole_frame))
+        sole = plant.GetFrameByName(foot.sole_frame)
+        J = plant.CalcJacobianTranslationalVelocity(
+            context, JacobianWrtVariable.kV, sole, np.zeros(3), world, world
+        )
         torque = torque - J.T @ load
     for entry, joint in zip(file.joints, joints, strict=True):
         has = plant.GetJointActuatorByName(joint.name()).effort_limit()
@@ -222,20 +221,4 @@ def _check_efforts(
                 f"joint {joint.name()}: has {has:.3g} N·m, and standing on both feet "
                 f"needs {needed:.3g}: shuffled efforts?"
             )
-    if weak:
-        findings.add(LOST, "the pose of joints too weak for it", weak)
-
-
-def _jacobian(plant: Any, context: Any, frame: Any) -> np.ndarray:
-    world = plant.world_frame()
-    J: np.ndarray = plant.CalcJacobianTranslationalVelocity(
-        context, JacobianWrtVariable.kV, frame, np.zeros(3), world, world
-    )
-    return J
-
-
-def _inertias(plant: Any, context: Any, joints: list[Any]) -> list[float]:
-    """Returns the inertia that each joint turns [kg·m²]."""
-    M = plant.CalcMassMatrix(context)
-    starts = [joint.velocity_start() for joint in joints]
-    return [float(M[start, start]) for start in starts]
+    findings.add_about(weak, LOST, "the pose of joints too weak for it")

@@ -1,6 +1,6 @@
 """The tree of links and joints of a URDF, and its poses.
 
-Reading and writing are yourdfpy's; which joints move is decided here.
+yourdfpy reads the elements; which joints move is decided here.
 """
 
 from __future__ import annotations
@@ -30,8 +30,6 @@ MOVING = ("revolute", "continuous")
 MOTIONS = (*MOVING, "prismatic")
 """Joints of one degree of freedom; those that turn may be a limb's."""
 _TYPES = (*MOTIONS, "fixed", "floating", "planar")
-DEEPEST = 200
-"""Links from the root to the end of a chain that no robot has [-]."""
 
 
 class Tree:
@@ -48,20 +46,19 @@ class Tree:
         try:
             root = _read(file)
             self.rotors = _rotors(root)
-            self.urdf = _parsed(root)
+            robot = _parsed(root)
         except ImportRefused:
             raise
         except Exception as error:  # lxml and yourdfpy raise several kinds.
             said = " ".join(str(error).split()) or type(error).__name__
-            if isinstance(error, KeyError):
-                said = f"an element has no {said}"
             raise ImportRefused(f"{file}: is no URDF: {said}") from None
-        robot = self.urdf.robot
         self.links: dict[str, Any] = _by_name("link", robot.links)
         self.joints: dict[str, Any] = _by_name("joint", robot.joints)
+        self._materials = robot.materials
         self._check()
 
     def _check(self) -> None:
+        """Checks that all links hang on one root, each on one joint."""
         above: dict[str, str] = {}
         for joint in self.joints.values():
             self._check_joint(joint)
@@ -69,18 +66,15 @@ class Tree:
                 both = f"{above[joint.child]} and {joint.name}"
                 raise ImportRefused(f"link {joint.child}: hangs on two joints, {both}")
             above[joint.child] = joint.name
-        for link in self.links.values():
-            placed = [*link.visuals, *link.collisions]
-            if link.inertial is not None:
-                placed.append(link.inertial)
-            _place(placed)
-        _place(self.joints.values())
         roots = [name for name in self.links if name not in above]
         if len(roots) != 1:
             named = ", ".join(roots) or "none"
             raise ImportRefused(f"the tree must have one root link, and has {named}")
         self.index()
-        self._check_depth(roots)
+        loop = set(self.links).difference(self.all_below(self.root))
+        if loop:
+            names = ", ".join(sorted(loop))
+            raise ImportRefused(f"links {names}: hang on each other in a loop")
 
     def _check_joint(self, joint: Any) -> None:
         """Checks type, links and axis; an axis gets the length 1."""
@@ -92,43 +86,16 @@ class Tree:
         for end in (joint.parent, joint.child):
             if end not in self.links:
                 raise ImportRefused(f"joint {joint.name}: there is no link {end}")
-        if joint.axis is None:
-            joint.axis = np.array([1.0, 0.0, 0.0])
         if joint.type in MOTIONS:
             length = float(np.linalg.norm(joint.axis))
             if not length > 1e-6:
                 raise ImportRefused(f"joint {joint.name}: its axis is {joint.axis}")
-            joint.axis = np.asarray(joint.axis, dtype=float) / length
-
-    def _check_depth(self, roots: list[str]) -> None:
-        """Checks, link by link from the root, that all hang on it, and none too deep.
-
-        Only after it may links be followed by recursion.
-        """
-        reached, level, depth = set(roots), roots, 0
-        while level:
-            level = [joint.child for link in level for joint in self.below(link)]
-            reached.update(level)
-            depth += 1
-            if depth > DEEPEST:
-                raise ImportRefused(
-                    f"link {level[0]}: hangs on more than {DEEPEST} joints, one below "
-                    "the other"
-                )
-        loop = set(self.links) - reached
-        if loop:
-            names = ", ".join(sorted(loop))
-            raise ImportRefused(f"links {names}: hang on each other in a loop")
+            joint.axis = joint.axis / length
 
     @property
     def root(self) -> str:
         """The link on no joint."""
-        below = {joint.child for joint in self.joints.values()}
-        return next(name for name in self.links if name not in below)
-
-    def joint_above(self, link: str) -> Any:
-        """Returns the joint that a link hangs on; None for the root."""
-        return self._above.get(link)
+        return next(name for name in self.links if name not in self._above)
 
     def below(self, link: str) -> list[Any]:
         """Returns the joints that hang on a link."""
@@ -153,7 +120,7 @@ class Tree:
 
     def body_of(self, link: str) -> str:
         """Returns the topmost link that ``link`` is fixed to."""
-        joint = self.joint_above(link)
+        joint = self._above.get(link)
         if joint is None or self.moves(joint):
             return link
         return self.body_of(joint.parent)
@@ -171,7 +138,7 @@ class Tree:
 
     def chain(self, link: str) -> list[Any]:
         """Returns the moving joints from the root to a link."""
-        joint = self.joint_above(link)
+        joint = self._above.get(link)
         if joint is None:
             return []
         return self.chain(joint.parent) + ([joint] if self.moves(joint) else [])
@@ -185,7 +152,7 @@ class Tree:
 
     def all_moving_below(self, link: str) -> list[Any]:
         """Returns all moving joints below a link."""
-        above = [self.joint_above(part) for part in self.all_below(link)][1:]
+        above = [self._above.get(part) for part in self.all_below(link)][1:]
         return [joint for joint in above if self.moves(joint)]
 
     def poses(
@@ -222,7 +189,7 @@ class Tree:
         """Returns red, green, blue and opacity of a material; None without a color."""
         if material is None:
             return None
-        for one in (material, *self.urdf.robot.materials):
+        for one in (material, *self._materials):
             if one.name == material.name and one.color is not None:
                 # Some files leave out the opacity, or count up to 255.
                 rgba = np.append(np.asarray(one.color.rgba, dtype=float), 1.0)[:4]
@@ -237,7 +204,10 @@ class Tree:
 
 
 def _read(file: Path) -> Any:
-    """Reads and checks the elements of a file."""
+    """Reads and checks the elements of a file.
+
+    An element without an origin gets that of its link.
+    """
     parser = etree.XMLParser(remove_comments=True, remove_pis=True)
     root = etree.parse(str(file), parser).getroot()
     if root.tag != "robot":
@@ -246,6 +216,10 @@ def _read(file: Path) -> Any:
         if element.prefix == "drake":  # Drake goes by the prefix.
             element.tag = f"{{{DRAKE}}}{etree.QName(element).localname}"
     check_elements(root)
+    root.set("name", file.stem)  # yourdfpy wants one.
+    for placed in root.iter("inertial", "visual", "collision", "joint"):
+        if placed.find("origin") is None:
+            etree.SubElement(placed, "origin")
     return root
 
 
@@ -262,20 +236,20 @@ def _rotors(root: Any) -> dict[str, dict[str, float]]:
     }
 
 
-def _parsed(root: Any) -> urdf.URDF:
+def _parsed(root: Any) -> urdf.Robot:
     """Reads elements by yourdfpy, which reads on past faults."""
     geometries = take_geometries(root)
-    found = urdf.URDF.load(
+    robot = urdf.URDF.load(
         BytesIO(etree.tostring(root)),
         build_scene_graph=False,
         load_meshes=False,
         load_collision_meshes=False,
-    )
-    for link, taken in zip(found.robot.links, geometries, strict=True):
+    ).robot
+    for link, taken in zip(robot.links, geometries, strict=True):
         for kind, shapes in taken.items():
             for shown, geometry in zip(getattr(link, f"{kind}s"), shapes, strict=True):
                 shown.geometry = geometry
-    return found
+    return robot
 
 
 def _motion(joint: Any, at: float) -> RigidTransform:
@@ -292,10 +266,3 @@ def _by_name(kind: str, parts: Iterable[Any]) -> dict[str, Any]:
             raise ImportRefused(f"{kind} {part.name}: is there twice")
         found[part.name] = part
     return found
-
-
-def _place(parts: Iterable[Any]) -> None:
-    """Gives parts without an origin that of their link."""
-    for part in parts:
-        if part.origin is None:
-            part.origin = np.eye(4)

@@ -1,10 +1,11 @@
-"""What an imported robot does: it stands, walks, takes longer strides and pushes."""
+"""What an imported robot does: it stands, walks and is pushed."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,12 +16,12 @@ from atlas_drake.clients.importing.files import write_controller
 from atlas_drake.clients.importing.gentler import find_gentler, what_bounds
 from atlas_drake.clients.importing.motions import (
     LONGEST,
-    PIECE,
     SETTLES,
     advance,
     stands,
     walk,
 )
+from atlas_drake.errors import WaitTimeoutError
 from atlas_drake.planning.walk_at import fastest
 from atlas_drake.robot import ATLAS, TRUNK
 from atlas_drake.scenario import Scenario
@@ -29,10 +30,10 @@ from atlas_drake.simulation import AtlasSimulation
 STANDS = 5.0
 """Time of standing in the first trial [s]."""
 PUSHES, PUSH_DURATION = (0.2, 0.3, 0.4, 0.5), 0.1
-"""Speeds by which pushes change that of a robot of Atlas' height [m/s]; their duration
+"""Changes of speed by pushes, of a robot of Atlas' height [m/s]; duration of a push
 [s]."""
-STRIDES = (1.5, 2.0)
-"""Strides that are tried, in usual ones [-]."""
+LONGEST_PUSHES = 30.0
+"""Wall time after which no further push is tried [s]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -51,17 +52,14 @@ class Trial:
         stands: Whether it stood on its feet.
         walks: Whether it took all steps, to their places, and stood again.
         landing: Largest distance of a landed foot from its place [m].
-        pushed: Whether it bore the first push.
         near_limit: Peak share of its effort limit, by joint, while standing and
             walking.
         stride: Usual stride [m].
         duration: Usual duration of a step [s].
-        strides: Strides that it walks [m].
         speeds: Largest velocities that ``walk_at`` accepts, in words.
         pushes: Largest change of speed that it bears, by direction [m/s].
         events: Texts of warnings and falls.
         moments: Times in the log of standing and of a swing [s].
-        real_time: Simulated time per wall time of the first trial [-].
         bound: What bounds a robot that does not walk with its usual gait, in words.
         gentler: Steps with which such a robot walks, in words; empty if with none.
         failed: Gentler steps with which it does not walk, in words.
@@ -70,16 +68,13 @@ class Trial:
     stands: bool = False
     walks: bool = False
     landing: float = math.nan
-    pushed: bool = False
     near_limit: dict[str, float] = field(default_factory=dict)
     stride: float = math.nan
     duration: float = math.nan
-    strides: list[float] = field(default_factory=list)
     speeds: str = ""
     pushes: dict[str, float] = field(default_factory=dict)
     events: list[str] = field(default_factory=list)
     moments: list[float] = field(default_factory=list)
-    real_time: float = math.nan
     bound: str = ""
     gentler: str = ""
     failed: list[str] = field(default_factory=list)
@@ -90,9 +85,7 @@ class Trial:
         return f"steps of {self.stride:.3f} m in {self.duration:.2f} s"
 
 
-def try_robot(
-    model: Path, log: Path, deadline: float, say: Callable[[str], object]
-) -> Trial:
+def try_robot(model: Path, log: Path, say: Callable[[str], object]) -> Trial:
     """Simulates a robot, with a log of the first trial.
 
     If the robot stands and does not walk, gentler gaits are tried. The first with which
@@ -101,13 +94,11 @@ def try_robot(
     Args:
         model: The robot's YAML file.
         log: File of the log.
-        deadline: ``time.monotonic`` after which nothing further is tried; a gentler
-            gait is looked for nevertheless.
         say: Takes a line on what is tried.
     """
     trial = _first_trial(model, log, say, STANDS)
     if trial.stands and not trial.walks:
-        began, usual = time.monotonic(), trial.steps
+        usual = trial.steps
         bound = what_bounds(model, say)
         gentler, values, failed = find_gentler(model, say)
         if gentler:
@@ -116,19 +107,16 @@ def try_robot(
             trial = _first_trial(model, log, say, SETTLES)
         trial.bound = f"for {usual}, {bound}"
         trial.gentler, trial.failed = gentler, failed
-        deadline += time.monotonic() - began
-    if trial.walks:
-        _try_strides(model, trial, deadline, say)
     if trial.stands:
-        _try_pushes(model, trial, deadline, say)
+        _try_pushes(model, trial, say)
     return trial
 
 
 def _first_trial(
     model: Path, log: Path, say: Callable[[str], object], standing: float
 ) -> Trial:
-    """Lets a robot stand for some time [s], walk and be pushed, with a log."""
-    trial, began = Trial(), time.perf_counter()
+    """Lets a robot stand for some time [s], and walk, with a log."""
+    trial = Trial()
     with session.AtlasSimulation(Scenario(model=str(model)), log=log) as sim:
         gait = sim.scenario.controller_config().gait()
         trial.stride, trial.duration = gait.stride, gait.duration
@@ -140,7 +128,7 @@ def _first_trial(
         if trial.stands:
             say("walking")
             begins = sim.time
-            trial.walks = walk(sim, gait.stride)
+            trial.walks = walk(sim)
             errors = [step["error_m"] for step in sim.footsteps]
             trial.landing = max(errors, default=math.nan)
             trial.moments.append(begins + 1.0 + 2.5 * gait.duration)
@@ -150,10 +138,6 @@ def _first_trial(
                 for name, share in zip(sim.robot.joint_names, shares, strict=True)
                 if share > NEAR_LIMIT
             }
-        if trial.walks:
-            say("a push")
-            trial.pushed = _bears(sim, PUSHES[0] * _scale(sim), DIRECTIONS["forward"])
-        trial.real_time = sim.time / (time.perf_counter() - began)
         trial.moments = [min(moment, sim.time) for moment in trial.moments]
         trial.events = [
             f"{event.time:.2f} s: {event.text}"
@@ -163,55 +147,29 @@ def _first_trial(
     return trial
 
 
-def _try_strides(
-    model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
-) -> None:
-    trial.strides = [trial.stride]
-    for share in STRIDES:
-        if time.monotonic() > deadline:
-            return
-        with session.AtlasSimulation(Scenario(model=str(model))) as sim:
-            longest = sim.scenario.controller_config().gait().longest_stride
-            stride = min(share * trial.stride, longest)
-            say(f"strides of {stride:.2f} m")
-            advance(sim, SETTLES)
-            if not walk(sim, stride):
-                return
-        trial.strides.append(stride)
-        if stride == longest:
-            return
-
-
-def _try_pushes(
-    model: Path, trial: Trial, deadline: float, say: Callable[[str], object]
-) -> None:
+def _try_pushes(model: Path, trial: Trial, say: Callable[[str], object]) -> None:
+    deadline = time.monotonic() + LONGEST_PUSHES
     with session.AtlasSimulation(Scenario(model=str(model))) as sim:
         advance(sim, SETTLES)
-        standing, scale = sim.snapshot(), _scale(sim)
-        open_ = dict(DIRECTIONS)
-        for speed in PUSHES:
-            for name, direction in list(open_.items()):
+        standing = sim.snapshot()
+        # The pushes then have the Froude number of Atlas'.
+        scale = math.sqrt(sim.robot.com_height / ATLAS.height)
+        for name, direction in DIRECTIONS.items():
+            for speed in PUSHES:
                 if time.monotonic() > deadline:
                     return
                 say(f"a push of {speed * scale:.2f} m/s {name}")
                 sim.restore(standing)
-                if _bears(sim, speed * scale, direction):
-                    trial.pushes[name] = round(speed * scale, 3)
-                else:
+                if not _bears(sim, speed * scale, direction):
                     trial.pushes.setdefault(name, 0.0)
-                    del open_[name]
-
-
-def _scale(sim: AtlasSimulation) -> float:
-    """Returns the root of the robot's height over Atlas': pushes as Froude has them."""
-    return math.sqrt(sim.robot.com_height / ATLAS.height)
+                    break
+                trial.pushes[name] = round(speed * scale, 3)
 
 
 def _bears(sim: AtlasSimulation, speed: float, direction: tuple[float, float]) -> bool:
     force = np.append(direction, 0.0) * speed * sim.robot.mass / PUSH_DURATION
     sim.apply_push(TRUNK, force, PUSH_DURATION)
-    end = sim.time + LONGEST
     advance(sim, SETTLES)
-    while not stands(sim) and not sim.has_fallen and sim.time < end:
-        sim.advance(PIECE)
+    with suppress(WaitTimeoutError):
+        sim.wait_until(lambda sim: stands(sim) or sim.has_fallen, LONGEST - SETTLES)
     return stands(sim)

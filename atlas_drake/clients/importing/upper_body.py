@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from atlas_drake.clients.importing.findings import (
 )
 from atlas_drake.clients.importing.options import ImportOptions
 from atlas_drake.clients.importing.tree import Tree
+from atlas_drake.robot import LEGS
 
 MOST_ARM_JOINTS = 7
 """Joints of an arm; what is beyond them is the hand."""
@@ -21,7 +23,7 @@ ASIDE = 0.08
 """Least distance of an arm from the middle, in heights of the chest above the feet
 [-]; what is nearer is a neck."""
 TRUNK_SHARE = 0.6
-"""Share of the joints above the pelvis from which a branch is the trunk [-]."""
+"""A branch with this share of the joints above the pelvis or more is the trunk [-]."""
 
 
 def find_upper_body(
@@ -73,11 +75,7 @@ def find_upper_body(
         hands = ends["l_arm"], ends["r_arm"]
     else:
         findings.add(FOUND, "no pair of arms")
-    counts = {
-        limb: sum(one == limb for one in limbs.values())
-        for limb in dict.fromkeys(limbs.values())
-        if not limb.endswith("leg")
-    }
+    counts = Counter(limb for limb in limbs.values() if limb not in LEGS)
     others = ", ".join(f"{limb} of {count}" for limb, count in counts.items())
     findings.add(FOUND, f"chest {chest}, {others or 'no other joints'}")
     return chest, hands
@@ -134,15 +132,15 @@ def _name_chain(
     tree: Tree, joint: Any, limb: str, limbs: dict[str, str], fingers: bool
 ) -> str:
     """Gives the joints of a chain their limb; returns the link at its end."""
-    limbs[joint.name] = limb
-    for _ in range(MOST_ARM_JOINTS - 1):
-        below = tree.moving_below(joint.child)
+    below = [joint]
+    for _ in range(MOST_ARM_JOINTS):
         if len(below) != 1:
             break
-        joint = below[0]
+        (joint,) = below
         limbs[joint.name] = limb
+        below = tree.moving_below(joint.child)
     if fingers and limb.endswith("arm"):
         hand = limb.replace("arm", "hand")
-        fingers_of = tree.all_moving_below(joint.child)
-        limbs |= dict.fromkeys((finger.name for finger in fingers_of), hand)
+        beyond = tree.all_moving_below(joint.child)
+        limbs |= dict.fromkeys((finger.name for finger in beyond), hand)
     return str(joint.child)

@@ -2,7 +2,7 @@
 
 Holds stand-ins for the modules that such programs import, and the topics that they use.
 A program is one more commander on the robot's command ports, and a reader of its
-outputs. The command is in ``app.script``; ``docs/scripts.md`` lists the stand-ins.
+outputs. The command is in ``cli.script``; ``docs/scripts.md`` lists the stand-ins.
 """
 
 from atlas_drake.clients.ros_scripts.unknown import ScriptError

@@ -62,13 +62,13 @@ class Goal:
 
     Attributes:
         message: The ``WalkDemoGoal``.
-        status: A number of ``GOAL_STATUS``.
+        status: A number of ``GOAL_STATUS``; LOST before the server has the goal.
         text: Why the goal was not reached.
         result: The ``WalkDemoResult`` when the goal is done, None before.
     """
 
     message: Any
-    status: int = GOAL_STATUS["PENDING"]
+    status: int = GOAL_STATUS["LOST"]
     text: str = ""
     result: Any = None
 
@@ -80,7 +80,7 @@ class ActionServer:
         """Begins without a goal; ``say`` prints why one was not reached."""
         self._sim, self._say = sim, say
         self._goal: Goal | None = None
-        self._work: Work | None = None
+        self._work: Work
 
     def accept(self, goal: Goal) -> None:
         """Takes a goal in place of the present one."""
@@ -97,8 +97,6 @@ class ActionServer:
 
     def __call__(self, sim: AtlasSimulation) -> None:
         """Works on the goal for one turn."""
-        if self._work is None:
-            return
         try:
             next(self._work)
         except StopIteration as end:
@@ -117,7 +115,7 @@ class ActionServer:
         )
         if text:
             self._say(f"! atlas/bdi_control: goal aborted: {text}")
-        self._goal = self._work = None
+        self._goal = None
         self._sim.hooks.remove(self)
 
 
@@ -143,7 +141,9 @@ def carry_out(sim: AtlasSimulation, goal: Any) -> Work:
         goal.manipulate_params, AtlasBehaviorManipulateParams
     )
     sim.publish(command)
-    yield from _answer(sim)
+    answered = sim.time + ANSWER
+    while sim.time <= answered:  # Reports do not reflect the command yet.
+        yield
     if command.behavior == Behavior.STEP:
         return (yield from _step(sim, begun))
     while sim.current_behavior != command.behavior:
@@ -191,13 +191,6 @@ def _step(sim: AtlasSimulation, begun: float) -> Work:
 def _is_stepping(sim: AtlasSimulation) -> bool:
     flags = sim.atlas_sim_interface_state.step_feedback.status_flags
     return bool(flags & StepStatus.SUBSTATE_STEPPING)
-
-
-def _answer(sim: AtlasSimulation) -> Generator[None, None, None]:
-    """Waits until reports reflect a command."""
-    end = sim.time + ANSWER
-    while sim.time <= end:
-        yield
 
 
 def _failure(sim: AtlasSimulation, since: float) -> str:

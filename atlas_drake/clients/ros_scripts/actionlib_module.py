@@ -18,17 +18,6 @@ SERVER, ACTION = "atlas/bdi_control", "atlas_msgs/WalkDemoAction"
 """Name of the only action server, and its action."""
 
 
-class SimpleGoalState:
-    """``actionlib.SimpleGoalState``."""
-
-    PENDING, ACTIVE, DONE = range(3)
-
-    @staticmethod
-    def to_string(state: int) -> str:
-        """Return the name of a state."""
-        return ("PENDING", "ACTIVE", "DONE")[state]
-
-
 class SimpleActionClient:
     """``actionlib.SimpleActionClient``."""
 
@@ -41,7 +30,7 @@ class SimpleActionClient:
         if getattr(action, "_type", None) != ACTION:
             raise ScriptError(f"action {SERVER} is of type {ACTION}, not {action!r}")
         self._clock, self._server = clock, server
-        self._goal: Goal | None = None
+        self._goal = Goal(None)
 
     def wait_for_server(self, _timeout: object = None) -> bool:
         """Returns True at once: the server is there."""
@@ -76,36 +65,30 @@ class SimpleActionClient:
         As in the original, 0 is no limit. Returns False after the limit.
         """
         seconds = timeout.to_sec() if isinstance(timeout, Duration) else timeout
-        return self._clock.wait_for(self._is_done, seconds or math.inf)
+        limit = seconds or math.inf
+        return self._clock.wait_for(lambda: self._goal.result is not None, limit)
 
     def get_result(self) -> Any:
         """Returns the ``WalkDemoResult``; None before the goal is done."""
-        return None if self._goal is None else self._goal.result
+        return self._goal.result
 
     def get_state(self) -> int:
         """Returns the goal's state; LOST without one."""
-        return GOAL_STATUS["LOST"] if self._goal is None else self._goal.status
+        return self._goal.status
 
     def get_goal_status_text(self) -> str:
         """Returns why the goal was not reached."""
-        return "" if self._goal is None else self._goal.text
+        return self._goal.text
 
     def cancel_goal(self) -> None:
         """Ends the goal; a walking robot goes to STAND."""
-        if self._goal is not None and not self._is_done():
+        if self._goal.status == GOAL_STATUS["ACTIVE"]:
             self.cancel_all_goals()
 
     def cancel_all_goals(self) -> None:
         """Ends the goal of any client."""
         with self._clock.undisturbed():
             self._server.cancel()
-
-    def stop_tracking_goal(self) -> None:
-        """Forgets the goal, which continues."""
-        self._goal = None
-
-    def _is_done(self) -> bool:
-        return self._goal is not None and self._goal.result is not None
 
     def _follow(
         self,
@@ -132,5 +115,4 @@ def actionlib_names(clock: Clock, say: Callable[[str], object]) -> dict[str, Any
     return {
         "GoalStatus": GoalStatus,
         "SimpleActionClient": partial(SimpleActionClient, clock, server),
-        "SimpleGoalState": SimpleGoalState,
     }

@@ -80,9 +80,8 @@ class Clock:
         self._turn_over = threading.Semaphore(0)
         self._queries = 0
 
-    @property
     def now(self) -> float:
-        """Simulated time [s]; counts as a query, see ``MAX_QUERIES``."""
+        """Returns the simulated time [s]; counts as a query, see ``MAX_QUERIES``."""
         self.count_query()
         return self.sim.time
 

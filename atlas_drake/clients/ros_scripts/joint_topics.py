@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.clients.ros_scripts.clock import TOLERANCE
 from atlas_drake.clients.ros_scripts.message_types import JOINT_ARRAYS, osrf_msgs
 from atlas_drake.clients.ros_scripts.unknown import ScriptError
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
@@ -20,8 +21,6 @@ from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.simulation import AtlasSimulation
 
 JointCommands = osrf_msgs["JointCommands"]
-TOLERANCE = 1e-9
-"""Tolerance of comparisons between times [s]."""
 
 
 def joint_name(name: str) -> str:

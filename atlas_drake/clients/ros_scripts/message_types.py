@@ -152,14 +152,8 @@ PACKAGES = {**GENERAL, "atlas_msgs": atlas_msgs, "osrf_msgs": osrf_msgs}
 
 def with_joints_of(robot: Robot, types: Types) -> Types:
     """Return the types with this robot's joint indices in ``AtlasState``."""
-    indices = {
-        name: index
-        for index, joint in enumerate(robot.file.joints)
-        for name in (joint.alias, joint.name)
-        if name
-    }
-    base = types["AtlasState"]
-    own = type("AtlasState", (base,), {"__slots__": (), **indices})
+    content = {"__slots__": (), **vars(robot.joints)}
+    own = type("AtlasState", (types["AtlasState"],), content)
     return {**types, "AtlasState": own}
 
 

@@ -36,16 +36,13 @@ class Network:
             inbox.append(copy.deepcopy(message))
 
     def receive(self, topic: str) -> deque[RosMessage]:
-        """Returns the inbox of a new subscriber, and notes that no robot writes it."""
-        self.note(f"! Nothing but this program writes topic {topic}.{_hint(topic)}")
+        """Returns the inbox of a new subscriber."""
+        self.note_own(topic, "writes")
         inbox: deque[RosMessage] = deque()
         self._inboxes[topic].append(inbox)
         return inbox
 
-    def announce(self, topic: str) -> None:
-        """Notes that no robot reads a topic."""
-        self.note(f"! Nothing but this program reads topic {topic}.{_hint(topic)}")
-
-
-def _hint(topic: str) -> str:
-    return hint_for(topic, [*READ, *WRITE])
+    def note_own(self, topic: str, does: str) -> None:
+        """Prints that no robot ``reads`` or ``writes`` a topic."""
+        hint = hint_for(topic, [*READ, *WRITE])
+        self.note(f"! Nothing but this program {does} topic {topic}.{hint}")

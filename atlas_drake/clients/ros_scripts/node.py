@@ -36,7 +36,7 @@ class Publisher:
         self.name, self.data_class = self.resolved_name, data_class
         self._network, self._clock = network, network.clock
         if self._write is None:
-            network.announce(self.name)
+            network.note_own(self.name, "reads")
 
     def publish(self, *values: Any, **named: Any) -> None:
         """Sends a message, or the values of one.
@@ -137,10 +137,6 @@ class Rate:
             raise RosInterruptError("ROS shutdown request")
         # A loop that is late by a whole cycle does not catch up.
         self._last = due if due > now - self._period else now
-
-    def remaining(self) -> Duration:
-        """Returns the rest of the present cycle."""
-        return Duration.from_sec(self._last + self._period - self._clock.sim.time)
 
 
 def sleep(clock: Clock, duration: Any) -> None:

@@ -1,6 +1,6 @@
 """Runs one program on a simulation.
 
-Views, output files and the verdict on a run are in ``app``.
+Views, output files and the verdict on a run are in ``cli``.
 """
 
 from __future__ import annotations

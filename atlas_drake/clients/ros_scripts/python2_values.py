@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy
+import yaml
 
 DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"
 """Names of the functions for ``/`` and ``/=`` in the program's builtins."""
@@ -88,7 +89,7 @@ NUMPY_COUNTS = {
 
 
 def old_modules() -> dict[str, ModuleType]:
-    """Return ``math``, ``numpy`` and, if installed, ``yaml`` as they were."""
+    """Return ``math``, ``numpy`` and ``yaml`` as they were."""
     changed = {
         "ceil": lambda number: float(math.ceil(number)),
         "floor": lambda number: float(math.floor(number)),
@@ -98,19 +99,15 @@ def old_modules() -> dict[str, ModuleType]:
         for name, (place, argument) in NUMPY_COUNTS.items()
     }
     types = {kind.__name__: kind for kind in (bool, float, int)}
-    modules = {
-        "math": with_names(math, changed),
-        "numpy": with_names(numpy, counting | types),
-    }
-    try:
-        import yaml
-    except ImportError:
-        return modules
 
     def load(stream: Any, Loader: Any = yaml.SafeLoader) -> Any:
         return yaml.load(stream, Loader)
 
-    return modules | {"yaml": with_names(yaml, {"load": load})}
+    return {
+        "math": with_names(math, changed),
+        "numpy": with_names(numpy, counting | types),
+        "yaml": with_names(yaml, {"load": load}),
+    }
 
 
 def with_names(module: ModuleType, names: dict[str, Any]) -> ModuleType:

@@ -114,7 +114,7 @@ class _Seconds:
     __slots__ = ("nsecs", "secs")
 
     def __init__(self, secs: float = 0, nsecs: float = 0) -> None:
-        """Stores seconds, which may have a fraction, and nanoseconds, in addition."""
+        """Adds seconds, which may have a fraction, and nanoseconds."""
         total = round(secs * NANO) if isinstance(secs, float) else int(secs) * NANO
         self.secs, self.nsecs = divmod(total + round(nsecs), NANO)
 

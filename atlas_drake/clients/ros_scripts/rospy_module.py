@@ -55,13 +55,10 @@ class Parameters:
 
         ``resolve`` returns the full name of a parameter, such as ``/node/x`` of ``~x``.
         """
+        kp, kd = robot.default_kp.tolist(), robot.default_kd.tolist()
         gains = {
-            name: {"p": float(kp), "i": 0.0, "d": float(kd), "i_clamp": 0.0}
-            for joint, kp, kd in zip(
-                robot.file.joints, robot.default_kp, robot.default_kd, strict=True
-            )
-            for name in (joint.name, joint.alias)
-            if name
+            name: {"p": kp[index], "i": 0.0, "d": kd[index], "i_clamp": 0.0}
+            for name, index in vars(robot.joints).items()
         }
         self._resolve = resolve
         self._tree: dict[str, Any] = {"use_sim_time": True}
@@ -123,7 +120,7 @@ class RosNode:
             @staticmethod
             def now() -> RosTime:
                 """Return the simulated time."""
-                return Time.from_sec(clock.now)
+                return Time.from_sec(clock.now())
 
         return {
             **LEVELS,
@@ -139,7 +136,7 @@ class RosNode:
             "Duration": Duration,
             "sleep": partial(sleep, clock),
             "spin": partial(spin, clock),
-            "get_time": lambda: clock.now,
+            "get_time": clock.now,
             "get_rostime": Time.now,
             "is_shutdown": self._is_shut_down,
             "on_shutdown": self._at_end.append,

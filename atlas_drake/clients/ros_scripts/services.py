@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from atlas_drake.clients.ros_scripts.clock import Clock, RosError
@@ -20,16 +21,13 @@ def _reset(clock: Clock) -> None:
         clock.sim.reset()
 
 
-def _set_paused(paused: bool) -> Callable[[Clock], None]:
-    def call(clock: Clock) -> None:
-        clock.paused = paused
-
-    return call
+def _set_paused(paused: bool, clock: Clock) -> None:
+    clock.paused = paused
 
 
 SERVICES: dict[str, Callable[[Clock], None]] = {
-    "/gazebo/pause_physics": _set_paused(True),
-    "/gazebo/unpause_physics": _set_paused(False),
+    "/gazebo/pause_physics": partial(_set_paused, True),
+    "/gazebo/unpause_physics": partial(_set_paused, False),
     **dict.fromkeys(
         (
             "/gazebo/reset_models",
@@ -63,10 +61,3 @@ class ServiceProxy:
         return std_srvs["EmptyResponse"]()
 
     call = __call__
-
-    def wait_for_service(self, timeout: object = None) -> None:
-        """Returns at once."""
-        find_service(self.resolved_name)
-
-    def close(self) -> None:
-        """Does nothing."""

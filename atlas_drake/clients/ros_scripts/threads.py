@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from atlas_drake.clients.ros_scripts.clock import Clock, RunEnded
+from atlas_drake.clients.ros_scripts.python2_values import with_names
 
 _KEPT = ("current_thread", "get_ident", "local", "main_thread", "ThreadError")
 
@@ -73,17 +74,11 @@ def simulated_threading(clock: Clock) -> dict[str, Any]:
 def simulated_time(clock: Clock) -> ModuleType:
     """Return the module ``time``; its clocks are simulated time and start at 0 s."""
 
-    def now() -> float:
-        return clock.now
-
     def sleep(seconds: float) -> None:
         if clock.paused:
             clock.count_query()
         elif not clock.advance_to(clock.sim.time + seconds):
             raise RunEnded
 
-    module = ModuleType("time", time.__doc__)
-    vars(module).update(vars(time))
-    vars(module).update(dict.fromkeys(("time", "monotonic", "perf_counter"), now))
-    vars(module).update(clock=now, sleep=sleep)
-    return module
+    clocks = dict.fromkeys(("clock", "time", "monotonic", "perf_counter"), clock.now)
+    return with_names(time, {**clocks, "sleep": sleep})

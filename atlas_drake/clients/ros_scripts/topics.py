@@ -127,21 +127,13 @@ def _atlas_command(sim: AtlasSimulation, message: Any) -> str | None:
     )
 
 
-def _sim_interface_command(sim: AtlasSimulation, message: Any) -> None:
-    sim.publish(to_ours(message, AtlasSimInterfaceCommand))
-
-
-def _clock(sim: AtlasSimulation) -> RosMessage:
-    return rosgraph_msgs["Clock"](Time.from_sec(sim.time))
-
-
 Table = dict[str, tuple[type[RosMessage], Any]]
 
 WRITE: Table = {
     "/atlas/atlas_command": (atlas_msgs["AtlasCommand"], _atlas_command),
     "/atlas/atlas_sim_interface_command": (
         atlas_msgs["AtlasSimInterfaceCommand"],
-        _sim_interface_command,
+        lambda sim, message: sim.publish(to_ours(message, AtlasSimInterfaceCommand)),
     ),
     "/atlas/joint_commands": (osrf_msgs["JointCommands"], command_joints),
     "/atlas/control_mode": (std_msgs["String"], _change_control_mode),
@@ -162,7 +154,10 @@ READ: Table = {
     "/atlas/imu": (sensor_msgs["Imu"], lambda sim: from_ours(sim.imu)),
     "/atlas/joint_states": (sensor_msgs["JointState"], _joint_states),
     "/joint_states": (sensor_msgs["JointState"], _joint_states),
-    "/clock": (rosgraph_msgs["Clock"], _clock),
+    "/clock": (
+        rosgraph_msgs["Clock"],
+        lambda sim: rosgraph_msgs["Clock"](Time.from_sec(sim.time)),
+    ),
 }
 """Topics to subscribe to: class of the messages, and the function that returns one."""
 _ONE_JOINT = re.compile(r"/(\w+)_position_controller/command")

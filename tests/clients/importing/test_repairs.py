@@ -1,7 +1,5 @@
 """What simulation cannot use is repaired or left out, and said."""
 
-import json
-import os
 import re
 import zipfile
 
@@ -174,9 +172,6 @@ def test_what_drake_reads_of_a_shape_goes_into_the_robot(
     assert felt("left_foot") == ("Sphere", 0.9)
 
 
-HUGE = 10**9
-
-
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -185,9 +180,6 @@ HUGE = 10**9
         ("a", "is no mesh"),
         ("huge.stl", "has 1000 MB; must have at most 50"),
         ("wide.obj", "not finite"),
-        ("many.gltf", "has 1000000000 elements; must have at most 10000000"),
-        ("pipe.gltf", "pipe.bin: is no regular file"),
-        ("above.gltf", "is not in the folder of the mesh"),
     ],
 )
 def test_only_meshes_of_a_bounded_size_are_read(tmp_path, name, words):
@@ -196,15 +188,8 @@ def test_only_meshes_of_a_bounded_size_are_read(tmp_path, name, words):
     for copy in ("a", "a.3mf"):
         (tmp_path / copy).write_bytes((tmp_path / "a.zip").read_bytes())
     with (tmp_path / "huge.stl").open("wb") as file:
-        file.truncate(HUGE)
+        file.truncate(10**9)
     (tmp_path / "wide.obj").write_text("v 0 0 1e305\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    os.mkfifo(tmp_path / "pipe.bin")
-    for gltf, uri in (("pipe", "pipe.bin"), ("above", "../a.bin")):
-        buffers = [{"uri": uri, "byteLength": 4}]
-        text = json.dumps({"asset": {"version": "2.0"}, "buffers": buffers})
-        (tmp_path / f"{gltf}.gltf").write_text(text)
-    many = {"accessors": [{"componentType": 5126, "type": "VEC3", "count": HUGE}]}
-    (tmp_path / "many.gltf").write_text(json.dumps(many))
     meshes = MeshLibrary(lambda given: tmp_path / given)
     assert meshes.shape(Geometry("mesh", {"scale": (1e8,)}, name)) == []
     assert words in meshes.lost[name]
