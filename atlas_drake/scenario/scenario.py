@@ -43,12 +43,13 @@ from atlas_drake.robot import (
     robot_to_scale_by,
 )
 from atlas_drake.scenario.physics import (
+    check_plant_config,
     check_simulator_config,
-    checked_plant_config,
     is_multiple,
     nominal_period,
     on_common_grid,
     plant_config,
+    stations_plant_config,
 )
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.shipped import BEHAVIORS, CATALOG
@@ -241,19 +242,18 @@ class Scenario(CheckedOnce):
         """
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
-        plant = checked_plant_config(valid.plant, valid.physics_step)
         return replace(
             valid,
             model=model_beside(valid.model, Path.cwd()),
             control_period=period,
-            plant=plant,
+            plant=stations_plant_config(valid.plant, valid.physics_step),
             controller=valid.controller_config(behaviors),
         ).mark_checked()
 
     def on_time_grid(self) -> "Scenario":
         """Returns a resolved scenario with steps whose multiples meet exactly."""
         step, period = on_common_grid(self.physics_step, self.control_period)
-        plant = checked_plant_config(self.plant, step)
+        plant = stations_plant_config(self.plant, step)
         return replace(
             self, physics_step=step, control_period=period, plant=plant
         ).mark_checked()
@@ -284,7 +284,7 @@ class Scenario(CheckedOnce):
         if not is_multiple(self.control_period, self.physics_step):
             step = f"physics_step ({self.physics_step} s)"
             refuse("control_period", f"a whole multiple of {step}, or 0")
-        checked_plant_config(self.plant, self.physics_step)
+        check_plant_config(self.plant, self.physics_step)
         if not self.friction_jitter < self.ground_friction:
             refuse("friction_jitter", f"below ground_friction ({self.ground_friction})")
         self.mark_checked()
