@@ -63,7 +63,7 @@ from atlas_drake.units import (
 )
 from atlas_drake.worlds.models import Model
 from atlas_drake.worlds.terrain import START_REACH, Block, Place
-from atlas_drake.worlds.world_file import World, world_from
+from atlas_drake.worlds.world_file import World, world_fields
 
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.0045
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
@@ -262,7 +262,7 @@ class Scenario(CheckedOnce):
         """Returns the scenario with every field checked and of its declared type."""
         if self.is_checked:
             return self
-        given = replace(self, world=self.surroundings())
+        given = replace(self, world=world_fields(self.world))
         valid: Scenario = checked(Scenario, given, base=Scenario())
         return valid
 
@@ -322,7 +322,10 @@ class Scenario(CheckedOnce):
 
     def surroundings(self) -> World:
         """Returns the world that ``world`` stands for."""
-        return world_from(self.world)
+        if isinstance(self.world, World):
+            return self.world
+        world: World = checked(World, world_fields(self.world), "world")
+        return world
 
     def all_terrain(self) -> list[Block]:
         """Returns the boxes of the world, then those of the scenario."""
