@@ -21,7 +21,6 @@ from atlas_drake.clients.view.colors import joint_colors
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.shapes import Shape, shapes_of
 from atlas_drake.records import TickRecord
-from atlas_drake.worlds.models import world_of
 from atlas_drake.worlds.world import WorldMaker
 from atlas_drake.worlds.world_file import View
 
@@ -125,17 +124,14 @@ class _Studio:
         Without overlays the robot is alone; with any, its footsteps are shown as well.
         """
         self._robot, self._overlays = log.robot, overlays
-        stages: list[FilmStage] = []
 
         def set_up(scene_graph: SceneGraph) -> None:
-            stages.append(FilmStage(scene_graph, self._robot, size, X_TC))
+            self._stage = FilmStage(scene_graph, self._robot, size, X_TC)
 
-        beside_robot = (*world_of(log.scenario.all_models()), *world)
-        self._station = make_replay_station(log, beside_robot, set_up)
+        self._station = make_replay_station(log, world, set_up)
         self._context: Any = self._station.CreateDefaultContext()
         scene_graph = self._station.GetSubsystemByName("scene_graph")
         self._scene = scene_graph.GetMyMutableContextFromRoot(self._context)
-        (self._stage,) = stages
 
     def picture(
         self, time: float, camera: Callable[[TickRecord], RigidTransform]

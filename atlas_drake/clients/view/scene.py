@@ -17,6 +17,7 @@ from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.records import TickRecord
 from atlas_drake.scenario import Scenario
 from atlas_drake.worlds.terrain import surface_height
+from atlas_drake.worlds.world_file import View
 
 Array = Any
 """Type of an array for Meshcat, whose stubs do not match numpy's types."""
@@ -35,10 +36,8 @@ CAMERA = "/Cameras/default/rotated/<object>"
 FIELD_OF_VIEW = 38.0
 """Vertical field of view of the camera [degree]: narrower than Meshcat's default, which
 distorts."""
-CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
-CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
-"""Initial camera, from the robot's first place on the ground, in axes W [m]: from the
-front and side, with start and end of the tutorial in view."""
+USUAL = View()
+"""Initial camera, from the robot's first place on the ground, in axes W [m]."""
 
 SUN = "/Lights/SpotLight/<object>"
 SUN_POSITION = np.array([2.0, -3.0, 6.0])
@@ -60,7 +59,7 @@ def prepare_scene(meshcat: Meshcat) -> None:
 
 def look_at(meshcat: Meshcat, p_WG: np.ndarray) -> None:
     """Puts the camera beside a robot that stands at ``p_WG`` [m], shape (3,)."""
-    meshcat.SetCameraPose(CAMERA_POSITION + p_WG, CAMERA_TARGET + p_WG)
+    meshcat.SetCameraPose(USUAL.lens + p_WG, USUAL.target + p_WG)
 
 
 def center_at(meshcat: Meshcat, x: float, y: float) -> None:
