@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from atlas_drake.clients.logs.footprints import runs
 from atlas_drake.clients.logs.log import Log
 from atlas_drake.messages.event import PUSH
+from atlas_drake.palette import Color
 
 WIDTH = 15.0
 """Width of a page [inch]."""
@@ -95,7 +96,7 @@ def draw_curve(
     axes: Any,
     x: np.ndarray,
     y: np.ndarray,
-    color: str,
+    color: str | Color,
     label: str = "",
     *,
     dashed: bool = False,
@@ -107,7 +108,11 @@ def draw_curve(
 
 
 def draw_outline(
-    axes: Any, corners: np.ndarray, color: str, label: str = "", opacity: float = 0.0
+    axes: Any,
+    corners: np.ndarray,
+    color: str | Color,
+    label: str = "",
+    opacity: float = 0.0,
 ) -> None:
     """Draws a polygon with corners of shape (any, 2), filled or dashed."""
     x, y = np.vstack([corners, corners[:1]]).T

@@ -29,7 +29,6 @@ from atlas_drake.clients.logs.topics import (
     viewer_messages,
 )
 from atlas_drake.config import as_plain
-from atlas_drake.errors import did_you_mean
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.event import Event
 from atlas_drake.records import Schema, TickRecord
@@ -46,8 +45,7 @@ SUFFIX = ".mcap"
 def check_log_path(path: Path) -> None:
     """Raises LogError if a log's name does not end in ``.mcap``."""
     if path.suffix != SUFFIX:
-        hint = did_you_mean(path.suffix, [SUFFIX])
-        raise LogError(f"{path}: a log must end in {SUFFIX}.{hint}")
+        raise LogError(f"{path}: a log must end in {SUFFIX}")
 
 
 def header_of(
