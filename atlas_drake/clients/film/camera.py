@@ -6,7 +6,6 @@ Pose of the camera only; ``stage`` takes the picture.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +61,5 @@ def looking_at(lens: Vector, target: Vector) -> RigidTransform:
     if np.linalg.norm(right) < 1e-6:  # Straight up or down.
         right = np.array([0.0, -1.0, 0.0])
     right /= np.linalg.norm(right)
-    axes: Any = np.column_stack([right, np.cross(ahead, right), ahead])
-    p_WC: Any = lens
-    return RigidTransform(RotationMatrix(axes), p_WC)
+    axes = np.column_stack([right, np.cross(ahead, right), ahead])
+    return RigidTransform(RotationMatrix(axes), lens)

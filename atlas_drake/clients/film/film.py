@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import SceneGraph
@@ -129,7 +128,7 @@ class _Studio:
             self._stage = FilmStage(scene_graph, self._robot, size, X_TC)
 
         self._station = make_replay_station(log, world, set_up)
-        self._context: Any = self._station.CreateDefaultContext()
+        self._context = self._station.CreateDefaultContext()
         scene_graph = self._station.GetSubsystemByName("scene_graph")
         self._scene = scene_graph.GetMyMutableContextFromRoot(self._context)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -87,7 +86,7 @@ def commanded_footprints(log: Log) -> Iterator[np.ndarray]:
     for event in log.events:
         if event.kind == "footstep":
             x, y, yaw = event.data["commanded"]
-            center: Any = np.array([x, y, 0.0])
+            center = np.array([x, y, 0.0])
             yield sole_corners(center, rotation_z(yaw), *_half_size(log))[:, :2]
 
 

@@ -104,7 +104,7 @@ class MeshcatShapes:
         meshcat, solid = self._meshcat, shape.solid
         path = f"{PATH}/{shape.name}/{next(self._numbers)}"
         vertices, faces = solid.triangles
-        points: Any = np.asfortranarray(vertices)
+        points = np.asfortranarray(vertices)
         color = Rgba(*solid.color, solid.opacity)
         # In a node of its own, because a transform resets the scale of its node.
         meshcat.SetTriangleMesh(f"{path}/solid", points, faces, color)
