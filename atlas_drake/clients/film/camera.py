@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake.records import TickRecord
+from atlas_drake.rotations import rotation_matrix, yaw_of
 from atlas_drake.worlds.world_file import View
 
 Vector = NDArray[np.float64]
@@ -47,8 +47,8 @@ class FilmCamera:
         q = record.state.q
         goal = q[4:7] + TARGET_ABOVE_PELVIS
         if self._target is None:
-            rotation = RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4])))
-            self._yaw, self._target = RollPitchYaw(rotation).yaw_angle(), goal
+            q_WB = q[:4] / np.linalg.norm(q[:4])
+            self._yaw, self._target = yaw_of(rotation_matrix(q_WB)), goal
         self._target = self._target + self._step * (goal - self._target)
         R_WT = RotationMatrix.MakeZRotation(self._yaw)
         return RigidTransform(R_WT, self._target).multiply(self.X_TC)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw
 
 from atlas_drake.clients.logs.drawing import (
@@ -32,7 +33,6 @@ from atlas_drake.clients.logs.footprints import (
     SIDES,
     Soles,
     commanded_footprints,
-    rotations,
     soles_of,
 )
 from atlas_drake.clients.logs.header import LogError
@@ -314,9 +314,9 @@ def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
 
 def _draw_pelvis_angles(axes: Any, log: Log) -> None:
     axes.set(title="Orientation of the pelvis", ylabel="angle [rad]")
-    angles = np.array(
-        [RollPitchYaw(R_WB).vector() for R_WB in rotations(log["pelvis.orientation"])]
-    )
+    wxyz = log["pelvis.orientation"]
+    unit = wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
+    angles = np.array([RollPitchYaw(Quaternion(one)).vector() for one in unit])
     labels = ("roll", "pitch", "yaw")
     for label, angle, color in zip(labels, angles.T, COLORS, strict=False):
         draw_curve(axes, log.time, angle, color, label)
