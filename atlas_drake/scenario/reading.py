@@ -79,9 +79,10 @@ def is_path(text: str) -> bool:
 
 
 def _put(fields: dict[str, Any], path: str, value: Any, base: Any) -> None:
-    """Puts a value into fields, as YAML has them, that change a structure, ``base``.
+    """Puts a value at a path into ``fields``, which change the structure ``base``.
 
-    A list in them is whole: it is taken from ``base`` before an element is changed.
+    The fields are as in a YAML file. A list among them is whole: before one of its
+    elements changes, the list is taken from ``base``.
     """
     if not is_path(path):
         raise ScenarioError.about(path, path, "must be a path, as pushes[0].impulse")

@@ -339,7 +339,7 @@ class Scenario(CheckedOnce):
         """Returns x and y of the pelvis [m], and yaw [rad], where the robot begins.
 
         Args:
-            start: Has what it does not say from the world; None is the scenario's.
+            start: A start, which the world's completes; None is the scenario's.
         """
         start, world = start or self.start, self.surroundings().start
         return (

@@ -50,11 +50,7 @@ class WorldStart(Configuration):
 
 @dataclass(frozen=True)
 class View(Configuration):
-    """Initial camera of the 3D view, and camera of a film.
-
-    The usual one looks from the front and side, and has start and end of the tutorial
-    in view.
-    """
+    """Initial camera of the 3D view, and camera of a film."""
 
     lens: Vector[Meters] = field(default_factory=lambda: [3.3, -2.5, 1.45])
     """Position of the camera in W."""

@@ -30,7 +30,10 @@ class FilmCamera:
     """Looks at the robot, picture by picture."""
 
     def __init__(self, view: View | None, period: float) -> None:
-        """Looks from a fixed view, or with None follows; ``period`` of pictures [s]."""
+        """Looks from ``view``, or follows the robot without one.
+
+        ``period`` is the time between pictures [s].
+        """
         self._step = -math.expm1(-period / LAG)
         self._target: Vector | None = None
         self._yaw, self._fixed = 0.0, None

@@ -118,9 +118,11 @@ class _Studio:
         overlays: Overlays | None = None,
         world: Sequence[WorldMaker] = (),
     ) -> None:
-        """Sets up the scene for pictures of this size from X_TC, seen from a target.
+        """Sets up the scene; ``size`` is that of the pictures [pixel].
 
-        Without overlays the robot is alone; with any, its footsteps are shown as well.
+        X_TC is the pose of the camera from its target. Without ``overlays`` the robot
+        is alone; with some, even with none switched on, its footsteps are shown as
+        well. ``world`` comes beside the models of the log's scenario.
         """
         self._robot, self._overlays = log.robot, overlays
 

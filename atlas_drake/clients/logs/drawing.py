@@ -80,13 +80,14 @@ def over_time(axes: Any, log: Log) -> None:
         if event.kind in MARKED:
             color = MARKED[event.kind]
             axes.axvline(event.time, color=color, lw=1.0, zorder=3, label="_event")
-            place = {"xy": (event.time, 1.0), "xytext": (2, -1), "va": "top"}
-            where = {"xycoords": ("data", "axes fraction"), "annotation_clip": True}
             axes.annotate(
                 event.kind,
-                **place,
-                **where,
+                xy=(event.time, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(2, -1),
                 textcoords="offset points",
+                annotation_clip=True,
+                va="top",
                 color=color,
                 fontsize=TINY,
             )

@@ -158,7 +158,6 @@ def draw_page(log: Log) -> Figure:
 @rc_context(STYLE)
 def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
     """Draws chosen numbers over time, those of one unit in one figure."""
-    style: dict[str, Any]
     units: dict[str, list[str]] = {}
     for name in _matching(log, patterns):
         units.setdefault(log.units[name], []).append(name)
@@ -178,8 +177,8 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
         axes.set_ylabel(f"[{unit or '-'}]")
         for place, name in enumerate(names):
             again, color = divmod(place, len(COLORS))
-            style = {"color": COLORS[color], "label": name, "dashed": again > 0}
-            draw_curve(axes, log.time, log[name], **style)
+            numbers, dashed = log[name], again > 0
+            draw_curve(axes, log.time, numbers, COLORS[color], name, dashed=dashed)
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return figure
 

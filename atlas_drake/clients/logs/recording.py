@@ -40,7 +40,7 @@ class LogRecording:
         return self._writer.fault
 
     def extend(self, builder: DiagramBuilder, station: Any) -> None:
-        """Adds what hands records to the log to a diagram with an AtlasStation."""
+        """Adds a listener to a diagram with an AtlasStation; it writes each record."""
         self._source: RecordListener = add_listener(
             builder,
             station,

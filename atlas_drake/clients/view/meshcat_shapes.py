@@ -36,7 +36,8 @@ class Visibility:
     def show(self, path: str, visible: bool, time: float) -> None:
         """Shows or hides an object from ``time`` [s] on.
 
-        A recording starts with the opposite state.
+        An object that is first shown or hidden after time 0 had the opposite state
+        before, in a recording and while a browser loads it.
         """
         before = self._visible.get(path)
         if before == visible:
@@ -44,7 +45,6 @@ class Visibility:
         self._visible[path] = visible
         if before is None and time > 0.0:
             self._meshcat.SetProperty(path, "visible", not visible, 0.0)
-            # While a browser still loads the recording.
             self._meshcat.SetProperty(path, "visible", not visible)
         self._meshcat.SetProperty(path, "visible", visible, time)
 

@@ -34,7 +34,8 @@ FIELD_OF_VIEW = 38.0
 """Vertical field of view of the camera [degree]: narrower than Meshcat's default, which
 distorts."""
 USUAL = View()
-"""Initial camera, from the robot's first place on the ground, in axes W [m]."""
+"""Initial camera, from the robot's first place on the ground, in axes W [m]: from the
+front and side, with start and end of the tutorial in view."""
 
 SUN = "/Lights/SpotLight/<object>"
 SUN_POSITION = np.array([2.0, -3.0, 6.0])
