@@ -61,7 +61,7 @@ def plant_config(**fields: Any) -> MultibodyPlantConfig:
 
 
 def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> None:
-    """Checks the plant's configuration, whose values Drake knows: a plant is made."""
+    """Checks the plant's configuration by making a plant: Drake knows the values."""
     step = config.time_step
     # A physics step on the common grid differs from the given one by rounding.
     if step != MultibodyPlantConfig().time_step and not math.isclose(
