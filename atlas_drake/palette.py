@@ -28,8 +28,3 @@ BEHAVIOR, SHARED, USER = (0.32, 0.52, 0.82), (0.66, 0.30, 0.68), (0.96, 0.58, 0.
 """Blue, violet and amber: the behavior's joint, half each, the user's."""
 IDLE, BUSY, SPENT = (0.50, 0.57, 0.66), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
 """Grey, yellow and red: no effort, half of its limit, all of it."""
-
-
-def hex_color(color: Color) -> str:
-    """Returns a color as in a web page, such as ``#19a052``."""
-    return "#" + "".join(f"{round(255 * part):02x}" for part in color)

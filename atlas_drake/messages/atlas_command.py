@@ -120,3 +120,10 @@ class AtlasSimInterfaceCommand(Message):
     ki_position: Gains = field(default_factory=list)
     kp_velocity: Gains = field(default_factory=list)
     k_effort: Shares = field(default_factory=list)
+
+
+COMMANDS: dict[str, type[Message]] = {
+    "atlas_command": AtlasCommand,
+    "atlas_sim_interface_command": AtlasSimInterfaceCommand,
+}
+"""Both commands, by the names of their ports, topics and fields in a scenario."""

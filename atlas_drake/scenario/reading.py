@@ -15,7 +15,7 @@ from typing import Any
 from atlas_drake.config import as_plain, checked, read_fields, read_file, read_yaml
 from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.scenario import Scenario
-from atlas_drake.worlds.world_file import with_full_paths, world_from
+from atlas_drake.worlds.world_file import with_full_paths, world_fields
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 
@@ -41,10 +41,9 @@ def scenario_from(
 ) -> Scenario:
     """Makes a scenario from the fields of a YAML file; others are the default's."""
     base = Scenario() if default is None else default.validate()
-    present = base.surroundings()
     if "world" in fields:
-        fields = {**fields, "world": world_from(fields["world"], present)}
-    made: Scenario = checked(Scenario, fields, base=replace(base, world=present))
+        fields = {**fields, "world": world_fields(fields["world"])}
+    made: Scenario = checked(Scenario, fields, base=base)
     return made
 
 
@@ -80,9 +79,10 @@ def is_path(text: str) -> bool:
 
 
 def _put(fields: dict[str, Any], path: str, value: Any, base: Any) -> None:
-    """Puts a value into fields, as YAML has them, that change a structure, ``base``.
+    """Puts a value at a path into ``fields``, which change the structure ``base``.
 
-    A list in them is whole: it is taken from ``base`` before an element is changed.
+    The fields are as in a YAML file. A list among them is whole: before one of its
+    elements changes, the list is taken from ``base``.
     """
     if not is_path(path):
         raise ScenarioError.about(path, path, "must be a path, as pushes[0].impulse")
@@ -99,7 +99,7 @@ def _put(fields: dict[str, Any], path: str, value: Any, base: Any) -> None:
             if not isinstance(inner, list):
                 inner = as_plain(base) if isinstance(base, list | tuple) else []
         elif not isinstance(inner, dict):
-            # A world may be given by its name.
+            # A world that is given as a text has it as its name.
             named = part == "world" and isinstance(inner, str)
             inner = {"name": inner} if named else {}
         place[part] = inner

@@ -43,12 +43,13 @@ from atlas_drake.robot import (
     robot_to_scale_by,
 )
 from atlas_drake.scenario.physics import (
+    check_plant_config,
     check_simulator_config,
-    checked_plant_config,
     is_multiple,
     nominal_period,
     on_common_grid,
     plant_config,
+    stations_plant_config,
 )
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.shipped import BEHAVIORS, CATALOG
@@ -62,7 +63,7 @@ from atlas_drake.units import (
 )
 from atlas_drake.worlds.models import Model
 from atlas_drake.worlds.terrain import START_REACH, Block, Place
-from atlas_drake.worlds.world_file import World, world_from
+from atlas_drake.worlds.world_file import World, world_fields
 
 SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.0045
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
@@ -241,19 +242,18 @@ class Scenario(CheckedOnce):
         """
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
-        plant = checked_plant_config(valid.plant, valid.physics_step)
         return replace(
             valid,
             model=model_beside(valid.model, Path.cwd()),
             control_period=period,
-            plant=plant,
+            plant=stations_plant_config(valid.plant, valid.physics_step),
             controller=valid.controller_config(behaviors),
         ).mark_checked()
 
     def on_time_grid(self) -> "Scenario":
         """Returns a resolved scenario with steps whose multiples meet exactly."""
         step, period = on_common_grid(self.physics_step, self.control_period)
-        plant = checked_plant_config(self.plant, step)
+        plant = stations_plant_config(self.plant, step)
         return replace(
             self, physics_step=step, control_period=period, plant=plant
         ).mark_checked()
@@ -262,7 +262,7 @@ class Scenario(CheckedOnce):
         """Returns the scenario with every field checked and of its declared type."""
         if self.is_checked:
             return self
-        given = replace(self, world=self.surroundings())
+        given = replace(self, world=world_fields(self.world))
         valid: Scenario = checked(Scenario, given, base=Scenario())
         return valid
 
@@ -284,7 +284,7 @@ class Scenario(CheckedOnce):
         if not is_multiple(self.control_period, self.physics_step):
             step = f"physics_step ({self.physics_step} s)"
             refuse("control_period", f"a whole multiple of {step}, or 0")
-        checked_plant_config(self.plant, self.physics_step)
+        check_plant_config(self.plant, self.physics_step)
         if not self.friction_jitter < self.ground_friction:
             refuse("friction_jitter", f"below ground_friction ({self.ground_friction})")
         self.mark_checked()
@@ -322,7 +322,10 @@ class Scenario(CheckedOnce):
 
     def surroundings(self) -> World:
         """Returns the world that ``world`` stands for."""
-        return world_from(self.world)
+        if isinstance(self.world, World):
+            return self.world
+        world: World = checked(World, world_fields(self.world), "world")
+        return world
 
     def all_terrain(self) -> list[Block]:
         """Returns the boxes of the world, then those of the scenario."""
@@ -336,7 +339,7 @@ class Scenario(CheckedOnce):
         """Returns x and y of the pelvis [m], and yaw [rad], where the robot begins.
 
         Args:
-            start: Has what it does not say from the world; None is the scenario's.
+            start: A start, which the world's completes; None is the scenario's.
         """
         start, world = start or self.start, self.surroundings().start
         return (

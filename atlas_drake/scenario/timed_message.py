@@ -19,17 +19,12 @@ from atlas_drake.messages import (
     Refusal,
     accept,
 )
-from atlas_drake.messages.base import Message
+from atlas_drake.messages.atlas_command import COMMANDS
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.records.plain import message_from
 from atlas_drake.robot import Robot
 from atlas_drake.shipped import CATALOG
 from atlas_drake.units import Seconds
-
-_KINDS: dict[str, type[Message]] = {
-    "atlas_command": AtlasCommand,
-    "atlas_sim_interface_command": AtlasSimInterfaceCommand,
-}
 
 
 @dataclass(frozen=True)
@@ -49,10 +44,10 @@ class TimedMessage(Configuration):
 
     def check(self) -> None:
         """Checks what can be checked without the robot."""
-        given = [name for name in _KINDS if getattr(self, name)]
+        given = [name for name in COMMANDS if getattr(self, name)]
         if len(given) != 1:
             raise ScenarioError(
-                "", given, f"must have exactly one of {' and '.join(_KINDS)}"
+                "", given, f"must have exactly one of {' and '.join(COMMANDS)}"
             )
         self._made(1, "")
 
@@ -75,13 +70,13 @@ class TimedMessage(Configuration):
 
     @property
     def _kind(self) -> str:
-        return next(name for name in _KINDS if getattr(self, name))
+        return next(name for name in COMMANDS if getattr(self, name))
 
     def _made(self, num_joints: int, path: str) -> Any:
         """Makes the message, not checked."""
         with self._naming(path):
             plain = getattr(self, self._kind)
-            return message_from(_KINDS[self._kind], plain, num_joints=num_joints)
+            return message_from(COMMANDS[self._kind], plain, num_joints=num_joints)
 
     @contextmanager
     def _naming(self, path: str) -> Iterator[None]:

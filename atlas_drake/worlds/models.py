@@ -123,8 +123,11 @@ class Model(Configuration):
         plant = MultibodyPlant(time_step=0.001)
         self.add_to(plant, "model", "")
         plant.Finalize()
-        if self.V_WB is not None:
-            _free_base(plant, "model", "V_WB")
+        if self.V_WB is not None and not plant.HasUniqueFloatingBaseBody(
+            plant.GetModelInstanceByName("model")
+        ):
+            problem = "needs a model with one base body that is free"
+            raise ScenarioError("V_WB", self.V_WB, problem)
 
 
 def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> RigidBody:
@@ -156,17 +159,10 @@ def set_velocities(
     """Gives the models of a scenario their initial velocities in a plant's context."""
     for model, name in zip(models, _names(models), strict=True):
         if model.V_WB is not None:
-            base = _free_base(plant, name, "V_WB")
+            instance = plant.GetModelInstanceByName(name)
+            base = plant.GetUniqueFloatingBaseBodyOrThrow(instance)
             V_WB = SpatialVelocity(model.V_WB[:3], model.V_WB[3:])
             plant.SetFreeBodySpatialVelocity(context, base, V_WB)
-
-
-def _free_base(plant: MultibodyPlant, name: str, path: str) -> RigidBody:
-    """Returns the floating base body of a model in a finalized plant."""
-    instance = plant.GetModelInstanceByName(name)
-    if not plant.HasUniqueFloatingBaseBody(instance):
-        raise ScenarioError(path, name, "needs a model with one base body that is free")
-    return plant.GetUniqueFloatingBaseBodyOrThrow(instance)
 
 
 def _names(models: Sequence[Model]) -> list[str]:

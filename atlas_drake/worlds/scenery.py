@@ -39,7 +39,7 @@ def add_scenery(
     # A half-space would end the process: FCL's tree of fixed shapes, which has no limit
     # to their number otherwise, cannot balance itself with a shape of infinite size.
     ground = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
-    X_WG = RigidTransform(np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS]))
+    X_WG = RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
     world = plant.world_body()
     plant.RegisterCollisionGeometry(
         world, X_WG, ground, GROUND, _material(ground_friction)
@@ -78,10 +78,7 @@ def set_ground_friction(
         geometry = inspector.GetGeometryIdByName(
             inspector.world_frame_id(), Role.kProximity, name
         )
-        properties = ProximityProperties(inspector.GetProximityProperties(geometry))
-        properties.UpdateProperty(
-            "material", "coulomb_friction", CoulombFriction(friction, friction)
-        )
+        material = _material(friction)
         scene_graph.AssignRole(
-            context, plant.get_source_id(), geometry, properties, RoleAssign.kReplace
+            context, plant.get_source_id(), geometry, material, RoleAssign.kReplace
         )

@@ -60,12 +60,12 @@ class Block(Configuration):
     @property
     def X_WT(self) -> RigidTransform:
         """Pose of the top face, z along its normal."""
-        return RigidTransform(RollPitchYaw(np.array(self.rpy)), np.array(self.position))
+        return RigidTransform(RollPitchYaw(self.rpy), self.position)
 
     @property
     def X_WC(self) -> RigidTransform:
         """Pose of the middle of the box."""
-        return self.X_WT @ RigidTransform(np.array([0.0, 0.0, -0.5 * self.size[2]]))
+        return self.X_WT @ RigidTransform([0.0, 0.0, -0.5 * self.size[2]])
 
 
 def surface_height(terrain: Iterable[Block], x: float, y: float) -> float:

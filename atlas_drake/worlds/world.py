@@ -8,7 +8,7 @@ plant that simulates or films the world, and so must add the same models each ti
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -87,7 +87,7 @@ def overlaps_with_world(
     port = plant.get_geometry_query_input_port()
     if not port.HasValue(context):
         return []
-    query: Any = port.Eval(context)
+    query = port.Eval(context)
     inspector = query.inspector()
     own = robot.instance(plant)
     found = []

@@ -7,14 +7,17 @@ path. What callables add to a plant is in ``world``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from atlas_drake.config import (
     Configuration,
     Vector,
+    as_plain,
     checked,
+    fields_of,
+    overlaid,
     read_fields,
     read_file,
 )
@@ -110,7 +113,7 @@ def with_full_paths(raw: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(model, str):
         seen["model"] = model_beside(model, folder)
     if isinstance(world, str):
-        seen["world"] = file_beside(world, folder, available_worlds())
+        world = {"name": world}
     if isinstance(world, Mapping):
         seen["world"] = with_full_paths(world, folder)
         if isinstance(name := world.get("name"), str):
@@ -144,26 +147,19 @@ def load_world(name: str | Path = DEFAULT_WORLD) -> World:
     return world
 
 
-def world_from(given: Any, present: World | None = None) -> World:
-    """Makes a world of what a scenario has in its field ``world``.
+def world_fields(given: Any) -> dict[str, Any]:
+    """Returns the fields of the world that a scenario gives as a text or as fields.
 
-    Fields that a mapping leaves out are those of the world of its ``name``, or else of
-    the one that is ``present``; None is level ground.
+    A text is the ``name`` alone. A named world also has the fields of its file. A world
+    from a log has all fields, so that its file is not needed.
     """
-    if isinstance(given, World):
-        return given
-    if isinstance(given, str | Path):
-        return load_world(given)
-    if not isinstance(given, Mapping):
+    plain = as_plain({"name": given} if isinstance(given, str) else given)
+    if not isinstance(plain, dict):
         problem = "must be a world's name, the path of its file, or fields"
         raise ScenarioError.about("world", given, problem)
-    base = World() if present is None else present
-    # A world from a log has all fields, so that its file is not needed.
-    if "name" in given and not {one.name for one in fields(World)} <= set(given):
-        name = given["name"]
-        if not isinstance(name, str | Path):
-            raise ScenarioError.about("world.name", name, "must be a word")
-        base = load_world(name)
-        given = {**given, "name": base.name}
-    world: World = checked(World, given, "world", base=base)
-    return world
+    name = plain.get("name")
+    if not isinstance(name, str) or fields_of(World).keys() <= plain.keys():
+        return plain
+    known = as_plain(load_world(name))
+    named: dict[str, Any] = overlaid(known, {**plain, "name": known["name"]})
+    return named

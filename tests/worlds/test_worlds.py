@@ -105,7 +105,7 @@ def test_a_path_works_as_a_name_does(own):
 
 
 def test_the_scenario_decides_where_the_robot_starts_and_then_the_world(own):
-    scenario = Scenario(world=own).validate()
+    scenario = Scenario(world=str(own)).validate()
     assert scenario.start_pose() == ([1.0, 2.0], 0.5)
     assert scenario.start_pose(Start(yaw=0.0)) == ([1.0, 2.0], 0.0)
     scenario = replace(scenario, start=Start(position=[0.0, 0.0]))

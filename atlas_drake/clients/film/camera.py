@@ -6,14 +6,13 @@ Pose of the camera only; ``stage`` takes the picture.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake.records import TickRecord
+from atlas_drake.rotations import rotation_matrix, yaw_of
 from atlas_drake.worlds.world_file import View
 
 Vector = NDArray[np.float64]
@@ -31,7 +30,10 @@ class FilmCamera:
     """Looks at the robot, picture by picture."""
 
     def __init__(self, view: View | None, period: float) -> None:
-        """Looks from a fixed view, or with None follows; ``period`` of pictures [s]."""
+        """Looks from ``view``, or follows the robot without one.
+
+        ``period`` is the time between pictures [s].
+        """
         self._step = -math.expm1(-period / LAG)
         self._target: Vector | None = None
         self._yaw, self._fixed = 0.0, None
@@ -48,8 +50,8 @@ class FilmCamera:
         q = record.state.q
         goal = q[4:7] + TARGET_ABOVE_PELVIS
         if self._target is None:
-            rotation = RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4])))
-            self._yaw, self._target = RollPitchYaw(rotation).yaw_angle(), goal
+            q_WB = q[:4] / np.linalg.norm(q[:4])
+            self._yaw, self._target = yaw_of(rotation_matrix(q_WB)), goal
         self._target = self._target + self._step * (goal - self._target)
         R_WT = RotationMatrix.MakeZRotation(self._yaw)
         return RigidTransform(R_WT, self._target).multiply(self.X_TC)
@@ -62,6 +64,5 @@ def looking_at(lens: Vector, target: Vector) -> RigidTransform:
     if np.linalg.norm(right) < 1e-6:  # Straight up or down.
         right = np.array([0.0, -1.0, 0.0])
     right /= np.linalg.norm(right)
-    axes: Any = np.column_stack([right, np.cross(ahead, right), ahead])
-    p_WC: Any = lens
-    return RigidTransform(RotationMatrix(axes), p_WC)
+    axes = np.column_stack([right, np.cross(ahead, right), ahead])
+    return RigidTransform(RotationMatrix(axes), lens)

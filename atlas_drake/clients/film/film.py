@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import SceneGraph
@@ -21,7 +20,6 @@ from atlas_drake.clients.view.colors import joint_colors
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.shapes import Shape, shapes_of
 from atlas_drake.records import TickRecord
-from atlas_drake.worlds.models import world_of
 from atlas_drake.worlds.world import WorldMaker
 from atlas_drake.worlds.world_file import View
 
@@ -120,22 +118,21 @@ class _Studio:
         overlays: Overlays | None = None,
         world: Sequence[WorldMaker] = (),
     ) -> None:
-        """Sets up the scene for pictures of this size from X_TC, seen from a target.
+        """Sets up the scene; ``size`` is that of the pictures [pixel].
 
-        Without overlays the robot is alone; with any, its footsteps are shown as well.
+        X_TC is the pose of the camera from its target. Without ``overlays`` the robot
+        is alone; with some, even with none switched on, its footsteps are shown as
+        well. ``world`` comes beside the models of the log's scenario.
         """
         self._robot, self._overlays = log.robot, overlays
-        stages: list[FilmStage] = []
 
         def set_up(scene_graph: SceneGraph) -> None:
-            stages.append(FilmStage(scene_graph, self._robot, size, X_TC))
+            self._stage = FilmStage(scene_graph, self._robot, size, X_TC)
 
-        beside_robot = (*world_of(log.scenario.all_models()), *world)
-        self._station = make_replay_station(log, beside_robot, set_up)
-        self._context: Any = self._station.CreateDefaultContext()
+        self._station = make_replay_station(log, world, set_up)
+        self._context = self._station.CreateDefaultContext()
         scene_graph = self._station.GetSubsystemByName("scene_graph")
         self._scene = scene_graph.GetMyMutableContextFromRoot(self._context)
-        (self._stage,) = stages
 
     def picture(
         self, time: float, camera: Callable[[TickRecord], RigidTransform]

@@ -6,21 +6,14 @@ A diagram without physics: each row of the log sets the state of robot and world
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
-from pydrake.geometry import (
-    Meshcat,
-    MeshcatVisualizer,
-    MeshcatVisualizerParams,
-    SceneGraph,
-)
+from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 
 from atlas_drake.clients.logs.log import Log
 from atlas_drake.clients.logs.log_player import LogPlayer
-from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.worlds.models import world_of
 from atlas_drake.worlds.scenery import add_scenery
@@ -36,38 +29,25 @@ def make_replay(
 ) -> Diagram:
     """Builds a diagram that displays a log like the run."""
     builder = DiagramBuilder()
-    robot = log.robot  # Loaded first, so that a missing robot is the first error.
-    beside_robot = (*world_of(log.scenario.all_models()), *world)
-    builder.AddNamedSystem("station", make_replay_station(log, beside_robot))
-    station: Any = builder.GetSubsystemByName("station")
+    station = builder.AddNamedSystem("station", make_replay_station(log, world))
     # The modules of the view load only if needed.
     if meshcat is not None:
         from atlas_drake.clients.view.meshcat_view import add_meshcat_view
         from atlas_drake.clients.view.scene import show_start
 
-        add_meshcat_view(builder, station, robot, meshcat, overlays)
+        add_meshcat_view(builder, station, log.robot, meshcat, overlays)
         show_start(meshcat, log.scenario)
-    diagram = builder.Build()
-    diagram.set_name("replay")
-    return diagram
+    return builder.Build()
 
 
 def make_replay_beside(log: Log, meshcat: Meshcat, path: str) -> Diagram:
     """Builds a diagram that draws the robot of a log alone, under a path."""
+    from atlas_drake.clients.view.meshcat_view import add_links
+
     builder = DiagramBuilder()
-    builder.AddNamedSystem("station", make_replay_station(log, scenery=False))
-    station: Any = builder.GetSubsystemByName("station")
-    MeshcatVisualizer.AddToBuilder(
-        builder,
-        station.GetOutputPort("query_object"),
-        meshcat,
-        MeshcatVisualizerParams(
-            publish_period=1.0 / FRAME_RATE, enable_alpha_slider=False, prefix=path
-        ),
-    )
-    diagram = builder.Build()
-    diagram.set_name("replay_beside")
-    return diagram
+    replay = make_replay_station(log, robot_alone=True)
+    add_links(builder, builder.AddNamedSystem("station", replay), meshcat, path)
+    return builder.Build()
 
 
 def make_replay_station(
@@ -75,21 +55,22 @@ def make_replay_station(
     world: Sequence[WorldMaker] = (),
     extend: Callable[[SceneGraph], object] = lambda _scene_graph: None,
     *,
-    scenery: bool = True,
+    robot_alone: bool = False,
 ) -> Diagram:
     """Makes a diagram with a station's output ports, fed from a log.
 
-    ``extend`` gets the SceneGraph before the diagram is built.
+    ``world`` comes beside the models of the log's scenario. ``extend`` gets the
+    SceneGraph before the diagram is built.
     """
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
     log.robot.add_to(plant)
-    if scenery:
+    if not robot_alone:
         scenario = log.scenario
         add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
-    add_world(plant, world)
+        add_world(plant, (*world_of(scenario.all_models()), *world))
     plant.Finalize()
     extend(scene_graph)
     player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))
@@ -102,6 +83,4 @@ def make_replay_station(
         port = player.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
-    station = builder.Build()
-    station.set_name("ReplayStation")
-    return station
+    return builder.Build()

@@ -38,7 +38,7 @@ from pydrake.systems.sensors import CameraInfo
 from atlas_drake.clients.film.file import FilmError
 from atlas_drake.clients.view.colors import GAMMA
 from atlas_drake.clients.view.shapes import Shape
-from atlas_drake.clients.view.solids import Solid, Triangles, ribbons
+from atlas_drake.clients.view.solids import Solid, Triangles, grid, ribbons
 from atlas_drake.palette import Color
 from atlas_drake.robot import Robot
 
@@ -160,14 +160,11 @@ class FilmStage:
         slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
         X_WS = RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
         at = np.arange(-0.5 * GRID_SIZE, 0.5 * GRID_SIZE + 1e-9, GRID_SPACING)
-        end, flat = np.full(at.size, 0.5 * GRID_SIZE), np.zeros(at.size)
-        starts = np.hstack([[at, -end, flat], [-end, at, flat]])
-        ends = np.hstack([[at, end, flat], [end, at, flat]])
-        grid = _mesh(ribbons(starts, ends, GRID_WIDTH))
+        lines = _mesh(ribbons(*grid(at, 0.5 * GRID_SIZE, 0.0), GRID_WIDTH))
         X_WG = RigidTransform([0.0, 0.0, GRID_LIFT])
         for instance in (
             _instance(slab, X_WS, GROUND_LIGHT),
-            _instance(grid, X_WG, GRID_LIGHT),
+            _instance(lines, X_WG, GRID_LIGHT),
         ):
             self._scene_graph.RegisterAnchoredGeometry(self._source, instance)
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from atlas_drake.clients.logs.footprints import runs
 from atlas_drake.clients.logs.log import Log
 from atlas_drake.messages.event import PUSH
+from atlas_drake.palette import Color
 
 WIDTH = 15.0
 """Width of a page [inch]."""
@@ -79,13 +80,14 @@ def over_time(axes: Any, log: Log) -> None:
         if event.kind in MARKED:
             color = MARKED[event.kind]
             axes.axvline(event.time, color=color, lw=1.0, zorder=3, label="_event")
-            place = {"xy": (event.time, 1.0), "xytext": (2, -1), "va": "top"}
-            where = {"xycoords": ("data", "axes fraction"), "annotation_clip": True}
             axes.annotate(
                 event.kind,
-                **place,
-                **where,
+                xy=(event.time, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(2, -1),
                 textcoords="offset points",
+                annotation_clip=True,
+                va="top",
                 color=color,
                 fontsize=TINY,
             )
@@ -95,7 +97,7 @@ def draw_curve(
     axes: Any,
     x: np.ndarray,
     y: np.ndarray,
-    color: str,
+    color: str | Color,
     label: str = "",
     *,
     dashed: bool = False,
@@ -107,7 +109,11 @@ def draw_curve(
 
 
 def draw_outline(
-    axes: Any, corners: np.ndarray, color: str, label: str = "", opacity: float = 0.0
+    axes: Any,
+    corners: np.ndarray,
+    color: str | Color,
+    label: str = "",
+    opacity: float = 0.0,
 ) -> None:
     """Draws a polygon with corners of shape (any, 2), filled or dashed."""
     x, y = np.vstack([corners, corners[:1]]).T

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RollPitchYaw
 
 from atlas_drake.clients.logs.drawing import (
@@ -32,14 +33,13 @@ from atlas_drake.clients.logs.footprints import (
     SIDES,
     Soles,
     commanded_footprints,
-    rotations,
     soles_of,
 )
 from atlas_drake.clients.logs.header import LogError
 from atlas_drake.clients.logs.log import Log
 from atlas_drake.errors import did_you_mean
 from atlas_drake.messages import K_EFFORT_MAX
-from atlas_drake.palette import CMP, COM, COP, DCM, FEET, hex_color
+from atlas_drake.palette import CMP, COM, COP, DCM, FEET, Color
 from atlas_drake.records.tick_record import NO_QP
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -70,7 +70,6 @@ TICK_MARGIN = 1.3
 
 COLORS = ("#1f77b4", "#d95f02", "#2a9d3a", "#c2185b", "#7e57c2", "#8d6e63")
 """Colors of curves that stand for joints or axes."""
-LEFT_FOOT, RIGHT_FOOT = map(hex_color, FEET)
 SUPPORT = "#cfd8dc"
 """Pale, as the supports of many steps overlap."""
 USER_COLORS = ("#eceff1", "#ffe0b2", "#ffb74d", "#f57c00")
@@ -82,18 +81,18 @@ LIMBS = {
     "right arm": ("r_arm",),
     "trunk": ("back", "neck"),
 }
-CURVES = {
+CURVES: dict[str, tuple[str, str, dict[str, str], Sequence[str | Color]]] = {
     "foot heights": (
         "Foot heights",
         "sole z [m]",
         {"left": "feet.left_position.z", "right": "feet.right_position.z"},
-        (LEFT_FOOT, RIGHT_FOOT),
+        FEET,
     ),
     "foot forces": (
         "Foot forces",
         "vertical [N]",
         {"left": "feet.left_force.z", "right": "feet.right_force.z"},
-        (LEFT_FOOT, RIGHT_FOOT),
+        FEET,
     ),
     "pelvis velocity": (
         "Velocity of the pelvis in the world",
@@ -159,7 +158,6 @@ def draw_page(log: Log) -> Figure:
 @rc_context(STYLE)
 def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
     """Draws chosen numbers over time, those of one unit in one figure."""
-    style: dict[str, Any]
     units: dict[str, list[str]] = {}
     for name in _matching(log, patterns):
         units.setdefault(log.units[name], []).append(name)
@@ -179,8 +177,8 @@ def draw_channels(log: Log, patterns: Sequence[str]) -> Figure:
         axes.set_ylabel(f"[{unit or '-'}]")
         for place, name in enumerate(names):
             again, color = divmod(place, len(COLORS))
-            style = {"color": COLORS[color], "label": name, "dashed": again > 0}
-            draw_curve(axes, log.time, log[name], **style)
+            numbers, dashed = log[name], again > 0
+            draw_curve(axes, log.time, numbers, COLORS[color], name, dashed=dashed)
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return figure
 
@@ -281,7 +279,7 @@ def _draw_from_above(axes: Any, log: Log, soles: Soles) -> None:
     axes.set_xlabel("x, ahead [m]", labelpad=1)
     for polygon in soles.double_supports():
         draw_outline(axes, polygon, SUPPORT, opacity=0.35)
-    for foot, color in enumerate((LEFT_FOOT, RIGHT_FOOT)):
+    for foot, color in enumerate(FEET):
         for number, corners in enumerate(soles.footprints(foot)):
             label = f"{SIDES[foot]} foot" if number == 0 else ""
             draw_outline(axes, corners, color, label, opacity=0.18)
@@ -309,15 +307,15 @@ def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, dict[str, Any]]]:
     for name, label, color in TRACKS:
         planned = log[f"balance.{name}_reference"]
         if np.isfinite(planned).any():
-            yield name, planned, {"color": hex_color(color), "dashed": True}
-        yield name, log[f"balance.{name}"], {"color": hex_color(color), "label": label}
+            yield name, planned, {"color": color, "dashed": True}
+        yield name, log[f"balance.{name}"], {"color": color, "label": label}
 
 
 def _draw_pelvis_angles(axes: Any, log: Log) -> None:
     axes.set(title="Orientation of the pelvis", ylabel="angle [rad]")
-    angles = np.array(
-        [RollPitchYaw(R_WB).vector() for R_WB in rotations(log["pelvis.orientation"])]
-    )
+    wxyz = log["pelvis.orientation"]
+    unit = wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
+    angles = np.array([RollPitchYaw(Quaternion(one)).vector() for one in unit])
     labels = ("roll", "pitch", "yaw")
     for label, angle, color in zip(labels, angles.T, COLORS, strict=False):
         draw_curve(axes, log.time, angle, color, label)

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RotationMatrix
 
 from atlas_drake.clients.logs.log import Log
 from atlas_drake.robot.soles import sole_corners
-from atlas_drake.rotations import rotation_z
+from atlas_drake.rotations import rotation_matrix, rotation_z
 from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 
@@ -69,10 +66,10 @@ def soles_of(log: Log) -> Soles:
     half = _half_size(log)
     corners = [
         [
-            sole_corners(p_WF, R_WF.matrix(), *half)[:, :2]
-            for p_WF, R_WF in zip(
+            sole_corners(p_WF, rotation_matrix(q_WF), *half)[:, :2]
+            for p_WF, q_WF in zip(
                 log[f"feet.{side}_position"],
-                rotations(log[f"feet.{side}_orientation"]),
+                log[f"feet.{side}_orientation"],
                 strict=True,
             )
         ]
@@ -87,19 +84,13 @@ def commanded_footprints(log: Log) -> Iterator[np.ndarray]:
     for event in log.events:
         if event.kind == "footstep":
             x, y, yaw = event.data["commanded"]
-            center: Any = np.array([x, y, 0.0])
+            center = np.array([x, y, 0.0])
             yield sole_corners(center, rotation_z(yaw), *_half_size(log))[:, :2]
 
 
 def _half_size(log: Log) -> tuple[float, float]:
     sole = log.robot.file.sole
     return 0.5 * sole.length, 0.5 * sole.width
-
-
-def rotations(orientations: np.ndarray) -> Iterator[RotationMatrix]:
-    """Converts quaternions, w first, shape (rows, 4); their length is of no account."""
-    for wxyz in orientations:
-        yield RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
 
 
 def runs(flags: np.ndarray) -> Iterator[tuple[int, int]]:

@@ -180,14 +180,13 @@ class Log:
         }
         parts = {name: self._part(name, row) for name in self.parts}
         events = tuple(one.event for one in self._by_row.get(row, ()) if one.of_record)
+        begin = max((reset for reset in self._resets if reset <= row), default=0)
         return TickRecord(
             time=float(self.time[row]),
             request=self._requests.get(int(numbers["behavior.request_number"])),
             events=events,
             landed=landed_among(
-                event
-                for at, event in self._landings
-                if self._reset_before(row) <= at <= row
+                event for at, event in self._landings if begin <= at <= row
             ),
             **groups,
             **parts,
@@ -251,12 +250,8 @@ class Log:
 
     @cached_property
     def _resets(self) -> list[int]:
+        """The first records after resets."""
         return [one.row for one in self.logged if one.event.kind == "reset"]
-
-    def _reset_before(self, row: int) -> int:
-        """Returns the first record after the last reset, or 0."""
-        place = bisect_right(self._resets, row)
-        return self._resets[place - 1] if place else 0
 
     @cached_property
     def _requests(self) -> dict[int, AtlasSimInterfaceCommand]:

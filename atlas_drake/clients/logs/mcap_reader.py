@@ -17,12 +17,8 @@ from atlas_drake.atomic_write import why_not_readable
 from atlas_drake.clients.logs.header import LogError, read_header
 from atlas_drake.clients.logs.log import Log, LoggedEvent, Part
 from atlas_drake.clients.logs.mcap_writer import HEADER, METADATA, check_log_path
-from atlas_drake.clients.logs.topics import (
-    COMMANDS,
-    EVENTS,
-    STRUCTURED,
-    event_of_message,
-)
+from atlas_drake.clients.logs.topics import EVENTS, STRUCTURED, event_of_message
+from atlas_drake.messages.atlas_command import COMMANDS
 from atlas_drake.records import Schema
 from atlas_drake.records.schema import TIME
 

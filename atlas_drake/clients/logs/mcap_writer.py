@@ -29,14 +29,13 @@ from atlas_drake.clients.logs.topics import (
     viewer_messages,
 )
 from atlas_drake.config import as_plain
-from atlas_drake.errors import did_you_mean
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.event import Event
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.plain import to_plain
 from atlas_drake.records.schema import TIME
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.scenario import LogContent, Scenario
+from atlas_drake.scenario.scenario import Scenario
 
 METADATA, HEADER = "atlas_drake", "header"
 """Names of the metadata record that holds the header, and of its entry."""
@@ -46,8 +45,7 @@ SUFFIX = ".mcap"
 def check_log_path(path: Path) -> None:
     """Raises LogError if a log's name does not end in ``.mcap``."""
     if path.suffix != SUFFIX:
-        hint = did_you_mean(path.suffix, [SUFFIX])
-        raise LogError(f"{path}: a log must end in {SUFFIX}.{hint}")
+        raise LogError(f"{path}: a log must end in {SUFFIX}")
 
 
 def header_of(
@@ -75,31 +73,28 @@ class McapWriter:
 
     Attributes:
         path: Path of the file.
-        keep: What the log holds beside the numbers of every tick.
         fault: Error that ended the writing; None if there was none.
     """
 
-    def __init__(self, path: Path, keep: LogContent | None = None) -> None:
+    def __init__(self, path: Path) -> None:
         """Checks that the file can be written; raises LogError if it cannot."""
         check_log_path(path)
         problem = why_not_writable(path)
         if problem is not None:
             raise LogError(problem)
         self.path = path
-        self.keep = keep or LogContent()
         self.fault: LogError | None = None
-        self._begun: tuple[Header, Schema] | None = None
         self._file: IO[bytes] | None = None
         self._early: list[Event] = []
         self._closed = False
 
     def begin(self, header: Header, schema: Schema) -> None:
         """Takes the header, and the schema of the records that will come."""
-        self._begun = header, schema
+        self._header, self._schema = header, schema
 
     def record(self, record: TickRecord) -> None:
         """Writes a record, unless the file is closed or could not be written."""
-        if self._closed or self.fault is not None:
+        if self._closed:
             return
         with self._latched_fault():
             if self._file is None:
@@ -108,7 +103,7 @@ class McapWriter:
 
     def event(self, event: Event) -> None:
         """Writes an event that no record holds."""
-        if self._closed or self.fault is not None:
+        if self._closed:
             return
         if self._file is None:
             self._early.append(event)
@@ -122,13 +117,11 @@ class McapWriter:
         Raises:
             LogError: If it cannot be written, now or earlier.
         """
-        if self._closed:
-            return
-        self._closed = True
-        if self._file is not None and self.fault is None:
+        if self._file is not None and not self._closed:
             with self._latched_fault():
                 self._writer.finish()
                 self._file.close()
+        self._closed = True
         if self.fault is not None:
             raise self.fault
 
@@ -140,18 +133,17 @@ class McapWriter:
         except OSError as error:
             problem = error.strerror or error
             self.fault = LogError(f"{self.path}: cannot be written: {problem}")
+            self._closed = True
             if self._file is not None:
                 with suppress(OSError):  # It tries to write the rest again.
                     self._file.close()
 
     def _open(self) -> None:
         """Empties the file and describes all topics."""
-        assert self._begun is not None
-        header, self._schema = self._begun
         self._file = self.path.open("wb")
         self._writer = Writer(self._file, compression=CompressionType.ZSTD)
         self._writer.start(library="atlas_drake")
-        text = header.to_json(self._schema)
+        text = self._header.to_json(self._schema)
         self._writer.add_metadata(METADATA, {HEADER: text})
         self._channels: dict[str, int] = {}
         for topic, name, schema in json_schemas(self._schema):

@@ -31,7 +31,7 @@ class LogRecording:
             path: Of the file, ``NAME.mcap``.
             keep: What the log holds beside the numbers of every tick.
         """
-        self._writer = McapWriter(path, keep)
+        self._writer, self._keep = McapWriter(path), keep
         self.is_open = True
 
     @property
@@ -40,15 +40,14 @@ class LogRecording:
         return self._writer.fault
 
     def extend(self, builder: DiagramBuilder, station: Any) -> None:
-        """Adds what hands records to the log to a diagram with an AtlasStation."""
-        keep = self._writer.keep
+        """Adds a listener to a diagram with an AtlasStation; it writes each record."""
         self._source: RecordListener = add_listener(
             builder,
             station,
             "log",
             self._writer.record,
-            paths=keep.paths,
-            contacts=keep.contacts,
+            paths=self._keep.paths,
+            contacts=self._keep.contacts,
         )
 
     def begin(self, sim: Any) -> None:

@@ -18,11 +18,10 @@ from atlas_drake.messages import (
     AtlasBehaviorStandFeedback,
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
-    AtlasCommand,
-    AtlasSimInterfaceCommand,
     Message,
     ToeOff,
 )
+from atlas_drake.messages.atlas_command import COMMANDS
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import MESSAGE, Event
 from atlas_drake.messages.footstep import Footstep, StepAction
@@ -32,11 +31,6 @@ from atlas_drake.records.schema import TIME
 from atlas_drake.records.tick_record import ContactForce
 
 EVENTS = "events"
-COMMANDS: dict[str, type[Message]] = {
-    "atlas_command": AtlasCommand,
-    "atlas_sim_interface_command": AtlasSimInterfaceCommand,
-}
-"""Topics of the messages that were received."""
 ON_CHANGE = frozenset({"gains", "behavior", "hands"})
 """Groups of numbers that are written only when they change."""
 VIEWER_PERIOD = 0.02

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -54,7 +54,7 @@ class FootstepMark(NamedTuple):
     @property
     def X_WF(self) -> RigidTransform:
         """Pose of the mark."""
-        p_WF: Any = np.array([self.x, self.y, self.z + MARK_LIFT[self.kind]])
+        p_WF = [self.x, self.y, self.z + MARK_LIFT[self.kind]]
         return RigidTransform(RotationMatrix.MakeZRotation(self.yaw), p_WF)
 
 

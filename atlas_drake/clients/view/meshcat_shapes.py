@@ -15,7 +15,6 @@ import numpy as np
 from pydrake.geometry import Meshcat, Rgba
 
 from atlas_drake.clients.view.shapes import Shape
-from atlas_drake.clients.view.solids import Solid
 
 PATH = "/atlas_drake/shapes"
 SPARE = 16
@@ -37,7 +36,8 @@ class Visibility:
     def show(self, path: str, visible: bool, time: float) -> None:
         """Shows or hides an object from ``time`` [s] on.
 
-        A recording starts with the opposite state.
+        An object that is first shown or hidden after time 0 had the opposite state
+        before, in a recording and while a browser loads it.
         """
         before = self._visible.get(path)
         if before == visible:
@@ -45,7 +45,6 @@ class Visibility:
         self._visible[path] = visible
         if before is None and time > 0.0:
             self._meshcat.SetProperty(path, "visible", not visible, 0.0)
-            # While a browser still loads the recording.
             self._meshcat.SetProperty(path, "visible", not visible)
         self._meshcat.SetProperty(path, "visible", visible, time)
 
@@ -101,21 +100,18 @@ class MeshcatShapes:
         self._paths |= shown
 
     def _draw(self, shape: Shape) -> str:
-        """Makes the object of a shape and returns its path."""
+        """Makes the object of a shape, without shadow, and returns its path."""
+        meshcat, solid = self._meshcat, shape.solid
         path = f"{PATH}/{shape.name}/{next(self._numbers)}"
+        vertices, faces = solid.triangles
+        points = np.asfortranarray(vertices)
+        color = Rgba(*solid.color, solid.opacity)
         # In a node of its own, because a transform resets the scale of its node.
-        draw_solid(self._meshcat, f"{path}/solid", shape.solid)
+        meshcat.SetTriangleMesh(f"{path}/solid", points, faces, color)
+        target = f"{path}/solid/<object>"
+        meshcat.SetProperty(target, "castShadow", False)
+        if solid.layer:
+            meshcat.SetProperty(target, "material.depthTest", False)
+            meshcat.SetProperty(target, "material.transparent", True)
+            meshcat.SetProperty(target, "renderOrder", float(solid.layer))
         return path
-
-
-def draw_solid(meshcat: Meshcat, path: str, solid: Solid) -> None:
-    """Draws a solid in Meshcat, without shadow."""
-    vertices, faces = solid.triangles
-    points: Any = np.asfortranarray(vertices)
-    meshcat.SetTriangleMesh(path, points, faces, Rgba(*solid.color, solid.opacity))
-    target = f"{path}/<object>"
-    meshcat.SetProperty(target, "castShadow", False)
-    if solid.layer:
-        meshcat.SetProperty(target, "material.depthTest", False)
-        meshcat.SetProperty(target, "material.transparent", True)
-        meshcat.SetProperty(target, "renderOrder", float(solid.layer))

@@ -74,6 +74,20 @@ class MeshcatView(CollectableSystem):
         return replace(record, paths=self._paths)
 
 
+def add_links(
+    builder: DiagramBuilder, station: System, meshcat: Meshcat, path: str
+) -> None:
+    """Adds Drake's own visualizer, which draws the links under a path."""
+    MeshcatVisualizer.AddToBuilder(
+        builder,
+        station.GetOutputPort("query_object"),
+        meshcat,
+        MeshcatVisualizerParams(
+            publish_period=1.0 / FRAME_RATE, enable_alpha_slider=False, prefix=path
+        ),
+    )
+
+
 def add_meshcat_view(
     builder: DiagramBuilder,
     station: System,
@@ -83,16 +97,7 @@ def add_meshcat_view(
 ) -> None:
     """Adds the robot's visualizer, footsteps and overlays, and sets the scene."""
     prepare_scene(meshcat)
-    MeshcatVisualizer.AddToBuilder(
-        builder,
-        station.GetOutputPort("query_object"),
-        meshcat,
-        MeshcatVisualizerParams(
-            publish_period=1.0 / FRAME_RATE,
-            enable_alpha_slider=False,
-            prefix=VISUALIZER,
-        ),
-    )
+    add_links(builder, station, meshcat, VISUALIZER)
     view = MeshcatView(meshcat, robot, overlays or Overlays())
     builder.AddNamedSystem("meshcat_view", view)
     view.inputs.connect(builder, station)

@@ -6,7 +6,6 @@ Ground, grid, light and camera: appearance only; the plant has the ground for co
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
@@ -14,12 +13,11 @@ from pydrake.math import RigidTransform
 
 from atlas_drake.clients.view import FRAME_RATE
 from atlas_drake.clients.view.overlays import Overlays
+from atlas_drake.clients.view.solids import grid
 from atlas_drake.records import TickRecord
 from atlas_drake.scenario import Scenario
 from atlas_drake.worlds.terrain import surface_height
-
-Array = Any
-"""Type of an array for Meshcat, whose stubs do not match numpy's types."""
+from atlas_drake.worlds.world_file import View
 
 GROUND_SIZE, GROUND_THICKNESS = 80.0, 0.02
 """Side and thickness of the ground slab in the view [m]."""
@@ -35,8 +33,7 @@ CAMERA = "/Cameras/default/rotated/<object>"
 FIELD_OF_VIEW = 38.0
 """Vertical field of view of the camera [degree]: narrower than Meshcat's default, which
 distorts."""
-CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
-CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
+USUAL = View()
 """Initial camera, from the robot's first place on the ground, in axes W [m]: from the
 front and side, with start and end of the tutorial in view."""
 
@@ -60,14 +57,14 @@ def prepare_scene(meshcat: Meshcat) -> None:
 
 def look_at(meshcat: Meshcat, p_WG: np.ndarray) -> None:
     """Puts the camera beside a robot that stands at ``p_WG`` [m], shape (3,)."""
-    meshcat.SetCameraPose(CAMERA_POSITION + p_WG, CAMERA_TARGET + p_WG)
+    meshcat.SetCameraPose(USUAL.lens + p_WG, USUAL.target + p_WG)
 
 
 def center_at(meshcat: Meshcat, x: float, y: float) -> None:
     """Moves ground, grid and lamp to a robot at x, y in W [m]."""
     # By whole squares of the darker lines, which then seem to stand still.
     square = GRID_SPACING * GRID_BOLD
-    p_WS: Array = np.array([square * round(x / square), square * round(y / square), 0])
+    p_WS = [square * round(x / square), square * round(y / square), 0.0]
     meshcat.SetTransform(GROUND, RigidTransform(p_WS))
     p_WL = SUN_POSITION + np.array([x, y, 0.0])
     meshcat.SetProperty(SUN, "position", p_WL.tolist())
@@ -90,18 +87,16 @@ def show_start(meshcat: Meshcat, scenario: Scenario) -> None:
 def _add_ground(meshcat: Meshcat) -> None:
     slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
     meshcat.SetObject(f"{GROUND}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
-    p_WS: Array = np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS])
-    meshcat.SetTransform(f"{GROUND}/slab", RigidTransform(p_WS))
+    X_GS = RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
+    meshcat.SetTransform(f"{GROUND}/slab", X_GS)
     numbers = np.arange(-GRID_LINES, GRID_LINES + 1)
     bold = numbers % GRID_BOLD == 0
     for name, chosen, color in (
         ("fine", numbers[~bold], Rgba(0.76, 0.79, 0.82, 1.0)),
         ("bold", numbers[bold], Rgba(0.58, 0.63, 0.68, 1.0)),
     ):
-        at, lift = GRID_SPACING * chosen, np.full(chosen.size, GRID_LIFT)
-        end = np.full(chosen.size, GRID_SPACING * GRID_LINES)
-        starts: Array = np.hstack([[at, -end, lift], [-end, at, lift]])
-        ends: Array = np.hstack([[at, end, lift], [end, at, lift]])
+        reach = GRID_SPACING * GRID_LINES
+        starts, ends = grid(GRID_SPACING * chosen, reach, GRID_LIFT)
         meshcat.SetLineSegments(f"{GROUND}/{name}", starts, ends, 1.0, color)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -84,14 +84,17 @@ def overlay_shapes(record: TickRecord, on: Collection[str]) -> list[Shape]:
     if "swing" in on and paths.swing is not None and len(paths.swing) > 1:
         shapes.append(Shape("swing", _curve(paths.swing, SWING)))
     if "com" in on:
-        X_WS, height = _pose(x, y, ground), max(z - ground, MIN_HEIGHT)
-        shapes.append(Shape("com_line", _moving("com_line", COM), X_WS, height))
-        shapes.append(Shape("com_ball", _moving("com_ball", COM), _pose(x, y, z)))
-    places = {"com": balance.com, "dcm": balance.dcm, "cop": balance.cop}
-    for name, color in (("com", COM), ("dcm", DCM), ("cop", COP)):
-        place = places[name]
+        below, height = [x, y, ground], max(z - ground, MIN_HEIGHT)
+        line, ball = _moving("com_line", COM), _moving("com_ball", COM)
+        shapes.append(Shape("com_line", line, RigidTransform(below), height))
+        shapes.append(Shape("com_ball", ball, RigidTransform([x, y, z])))
+    for name, place, color in (
+        ("com", balance.com[:2], COM),
+        ("dcm", balance.dcm, DCM),
+        ("cop", balance.cop, COP),
+    ):
         if name in on and place is not None:
-            X_WS = _pose(float(place[0]), float(place[1]), ground + LIFT[name])
+            X_WS = RigidTransform([*place, ground + LIFT[name]])
             shapes.append(Shape(name, _moving(name, color), X_WS))
     if "forces" in on:
         for number, contact in enumerate(record.contacts or ()):
@@ -124,8 +127,3 @@ def _rounded(points: Points, grid: float) -> Points:
 def _at(flat: Points, height: float) -> Points:
     """Adds a height [m] to points in the plane, shape (k, 2)."""
     return np.column_stack([flat, np.full(len(flat), height)])
-
-
-def _pose(x: float, y: float, z: float) -> RigidTransform:
-    p_WS: Any = np.array([x, y, z])
-    return RigidTransform(p_WS)

@@ -53,6 +53,17 @@ def polygon(corners: Points) -> Triangles:
     return corners, np.array(fan, dtype=np.int32).T
 
 
+def grid(at: Points, reach: float, height: float) -> tuple[Points, Points]:
+    """Returns the starts and ends of the lines of a square grid [m], shape (3, 2k).
+
+    Places of the lines, shape (k,), are the same along x and y; all lines go from
+    ``-reach`` to ``reach`` at one height.
+    """
+    end, z = np.full(at.size, reach), np.full(at.size, height)
+    starts = np.hstack([[at, -end, z], [-end, at, z]])
+    return starts, np.hstack([[at, end, z], [end, at, z]])
+
+
 def ribbons(starts: Points, ends: Points, width: float) -> Triangles:
     """Makes rectangles of a width [m] along line segments in the plane z = 0.
 

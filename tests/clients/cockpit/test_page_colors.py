@@ -3,6 +3,8 @@
 import re
 from importlib.resources import files
 
+from matplotlib.colors import to_hex
+
 from atlas_drake import palette
 
 NAMED = re.compile(r'(\w+) = (\[[^]]*\]|"[^"]*")')
@@ -16,4 +18,4 @@ def test_the_page_has_the_palette_of_the_3d_view():
     for name, text in found.items():
         color = getattr(palette, name)
         expected = color if name == "FEET" else [color]
-        assert COLOR.findall(text) == [palette.hex_color(one) for one in expected], name
+        assert COLOR.findall(text) == [to_hex(one) for one in expected], name

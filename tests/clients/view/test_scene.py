@@ -9,11 +9,10 @@ from pydrake.geometry import Meshcat
 from atlas_drake import AtlasSimulation, Scenario, Start
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.clients.view.scene import (
-    CAMERA_POSITION,
-    CAMERA_TARGET,
     GROUND,
     SUN,
     SUN_POSITION,
+    USUAL,
     Following,
     show_start,
 )
@@ -47,8 +46,8 @@ def test_the_view_begins_beside_the_robot_unless_the_world_has_a_view(scenario, 
     view = load_world("stairs").view
     assert (camera.lens.tolist(), camera.target.tolist()) == (view.lens, view.target)
     show_start(camera, scenario.validate())
-    np.testing.assert_allclose(camera.lens, CAMERA_POSITION + place)
-    np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)
+    np.testing.assert_allclose(camera.lens, np.add(USUAL.lens, place))
+    np.testing.assert_allclose(camera.target, np.add(USUAL.target, place))
 
 
 def doubles(packed, count):
@@ -73,4 +72,4 @@ def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to(record_of):
         camera = Camera()
         Following(camera, Overlays(overlays)).show(record)
         assert hasattr(camera, "target") == (place is not None)
-    np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)
+    np.testing.assert_allclose(camera.target, np.add(USUAL.target, place))
