@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from atlas_drake.messages import (
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
+    Message,
 )
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, Event
@@ -36,8 +37,21 @@ from atlas_drake.records.groups import (
 
 NO_QP = -1
 """Value of ``controller.solved`` where a controller has, or needed, no QP."""
+_T = TypeVar("_T", bound=Message)
 KEPT_LANDINGS = 40
 """Number of landed footsteps that a record holds."""
+
+
+def _always(message: _T) -> Callable[[], _T]:
+    """Returns a function that returns one frozen message, for all records."""
+    message.freeze()
+    return lambda: message
+
+
+_NO_STAND = _always(AtlasBehaviorStandFeedback())
+_NO_WALK = _always(AtlasBehaviorWalkFeedback())
+_NO_STEP = _always(AtlasBehaviorStepFeedback())
+_NO_MANIPULATE = _always(AtlasBehaviorManipulateFeedback())
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,14 +103,10 @@ class TickRecord(Group):
     state: State
     world: World | None = None
     estimator: Estimator | None = None
-    stand: AtlasBehaviorStandFeedback = field(
-        default_factory=AtlasBehaviorStandFeedback
-    )
-    walk: AtlasBehaviorWalkFeedback = field(default_factory=AtlasBehaviorWalkFeedback)
-    step: AtlasBehaviorStepFeedback = field(default_factory=AtlasBehaviorStepFeedback)
-    manipulate: AtlasBehaviorManipulateFeedback = field(
-        default_factory=AtlasBehaviorManipulateFeedback
-    )
+    stand: AtlasBehaviorStandFeedback = field(default_factory=_NO_STAND)
+    walk: AtlasBehaviorWalkFeedback = field(default_factory=_NO_WALK)
+    step: AtlasBehaviorStepFeedback = field(default_factory=_NO_STEP)
+    manipulate: AtlasBehaviorManipulateFeedback = field(default_factory=_NO_MANIPULATE)
     feedback: Any = None
     plan: Mapping[str, Any] = field(default_factory=dict)
     footsteps: tuple[Footstep, ...] = ()

@@ -29,7 +29,7 @@ from atlas_drake.messages.event import (
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation.beginning import Variation
 from atlas_drake.systems.command_scheduler import ScheduledCommand
-from atlas_drake.systems.tick_events import NO_MARKS
+from atlas_drake.systems.tick_events import Marks
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
@@ -84,7 +84,7 @@ class RunLog:
         self._done_since = 0  # Number of those since the beginning.
         self._published: frozenset[int] = frozenset()  # Messages since the last look.
         self._schedule, self._sent = schedule, 0
-        self._marks: Sequence[float] = NO_MARKS
+        self._marks = Marks()
 
     def copy(self) -> RunLog:
         """Returns a log that goes on by itself."""

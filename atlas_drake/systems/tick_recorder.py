@@ -20,6 +20,7 @@ from atlas_drake.frozen import read_only
 from atlas_drake.messages import Message
 from atlas_drake.messages.commands import ActiveCommand, BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.records.column import Names
 from atlas_drake.records.groups import (
@@ -42,12 +43,7 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.imu import ImuModel
 from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS, answer
 from atlas_drake.systems.record_kinematics import RecordKinematics
-from atlas_drake.systems.tick_events import (
-    NO_MARKS,
-    NUM_MARKS,
-    events_between,
-    marks_at,
-)
+from atlas_drake.systems.tick_events import Marks, events_between, marks_at
 
 _ANSWER = ("request_number", "error_code", "reached")
 _PLAN_FIELDS = frozenset(field.name for field in fields(Plan))
@@ -117,8 +113,8 @@ class TickRecorder(CollectableSystem):
                 **self.sizes,
                 **{f"joint {name}": n for name in JOINT_FIELDS},
                 **dict.fromkeys(_ANSWER, 1),
-                "marks": NUM_MARKS,
-                "marks before": NUM_MARKS,
+                "marks": len(Marks()),
+                "marks before": len(Marks()),
             }
         )
         self._numbers = self.DeclareVectorInputPort("numbers", sum(self.sizes.values()))
@@ -131,11 +127,11 @@ class TickRecorder(CollectableSystem):
         self._gantry = self.declare_value_input("gantry")
         self._scratch = self.declare_scratch_context(self._model.CreateDefaultContext)
         self._nothing = np.full(self._places["marks before"].stop, np.nan)
-        self._nothing[self._places["marks"]] = NO_MARKS
+        self._nothing[self._places["marks"]] = Marks()
         self._latest = self.DeclareDiscreteState(self._nothing)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._latch)
         self.declare_value_output("record", self._latest_record)
-        self.declare_vector_output("marks", NUM_MARKS, self._marks)
+        self.declare_vector_output("marks", len(Marks()), self._marks)
 
     def _schema(self, beside: dict[str, dict[str, int]]) -> Schema:
         model = self._model
@@ -157,24 +153,26 @@ class TickRecorder(CollectableSystem):
         forgotten[marks] = latest.value()[marks]  # No event is told again.
         context.SetDiscreteState(self._latest, forgotten)
 
-    def events_since(self, context: Context, before: Sequence[float]) -> Any:
+    def events_since(
+        self, context: Context, before: Marks
+    ) -> tuple[tuple[Event, ...], Marks]:
         """Returns the events since the marks ``before``, and the present marks."""
-        now = self.GetOutputPort("marks").Eval(context).tolist()
-        return self._events(context, list(before), now), now
+        now = self._marks(context)
+        return self._events(context, before, now), now
 
-    def events_after_tick(self, context: Context) -> Any:
+    def events_after_tick(self, context: Context) -> tuple[Event, ...]:
         """Returns the events since the last tick, which are in no record yet."""
+        return self.events_since(context, self._latest_marks(context))[0]
+
+    def _latest_marks(self, context: Context) -> Marks:
         latest = context.get_discrete_state(self._latest).value()
-        return self.events_since(context, latest[self._places["marks"]])[0]
+        return Marks(*latest[self._places["marks"]].tolist())
 
     def _latch(self, context: Context, discrete: DiscreteValues) -> None:
-        before = context.get_discrete_state(self._latest).value()
-        discrete.set_value(
-            self._latest, self._sample(context, before[self._places["marks"]])
-        )
+        discrete.set_value(self._latest, self._sample(context))
 
-    def _sample(self, context: Context, before: np.ndarray) -> np.ndarray:
-        """Reads the numbers of an instant; ``before`` has the last tick's marks."""
+    def _sample(self, context: Context) -> np.ndarray:
+        """Reads the numbers of the present instant."""
         commands: ActiveCommand = self._commands.Eval(context)
         joints = commands.joints
         return np.concatenate(
@@ -188,11 +186,11 @@ class TickRecorder(CollectableSystem):
                     commands.received == commands.request.number,
                 ),
                 self._marks(context),
-                before,
+                self._latest_marks(context),
             ]
         )
 
-    def _marks(self, context: Context) -> list[float]:
+    def _marks(self, context: Context) -> Marks:
         held = self._gantry.HasValue(context)
         released = self._gantry.Eval(context).released if held else None
         return marks_at(
@@ -207,12 +205,13 @@ class TickRecorder(CollectableSystem):
     def _latest_record(self, context: Context) -> TickRecord:
         numbers = context.get_discrete_state(self._latest).value().copy()
         if np.isnan(numbers[0]):
-            numbers = self._sample(context, numbers[self._places["marks"]])
+            numbers = self._sample(context)
         numbers.setflags(write=False)
-        latched = {name: numbers[place] for name, place in self._places.items()}
-        return self._record(context, latched)
+        return self._record_at(context, numbers)
 
-    def _record(self, context: Context, latched: dict[str, np.ndarray]) -> TickRecord:
+    def _record_at(self, context: Context, numbers: np.ndarray) -> TickRecord:
+        """Makes the record of the instant of the ``numbers``."""
+        latched = {name: numbers[place] for name, place in self._places.items()}
         commands: ActiveCommand = self._commands.Eval(context)
         status: ControllerStatus = self._status.Eval(context)
         request = _request(commands, int(latched["request_number"][0]))
@@ -280,11 +279,15 @@ class TickRecorder(CollectableSystem):
                 for body, force_W in self._pushes.Eval(context).forces
             ),
             events=self._events(
-                context, latched["marks before"].tolist(), latched["marks"].tolist()
+                context,
+                Marks(*latched["marks before"].tolist()),
+                Marks(*latched["marks"].tolist()),
             ),
         )
 
-    def _events(self, context: Context, before: list[float], after: list[float]) -> Any:
+    def _events(
+        self, context: Context, before: Marks, after: Marks
+    ) -> tuple[Event, ...]:
         if before == after:
             return ()
         return events_between(

@@ -405,7 +405,7 @@ def test_a_scenario_is_copied():
 
 def test_a_scenario_is_checked_before_anything_is_built():
     with pytest.raises(ScenarioError, match="physics_step"):
-        AtlasSimulation(Scenario(physics_step=0.01))
+        AtlasSimulation(Scenario(physics_step=0.011))
 
 
 @pytest.mark.parametrize("behavior", ["STAND_PREP", "USER"])

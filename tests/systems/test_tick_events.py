@@ -13,7 +13,7 @@ from atlas_drake.messages.event import READ_WITHIN, Event, append_recent
 from atlas_drake.robot import load_robot
 from atlas_drake.systems.fall_monitor import Fall
 from atlas_drake.systems.push_source import Push, PushState
-from atlas_drake.systems.tick_events import NO_MARKS, events_between, marks_at
+from atlas_drake.systems.tick_events import Marks, events_between, marks_at
 
 ROBOT = load_robot()
 START = commands_at_start(ROBOT, Behavior.STAND)
@@ -94,8 +94,8 @@ DENSE = [(4 * KINDS, number == 40) for number in range(80)]
 )
 def test_readers_at_any_instants_lose_and_double_nothing(instants, released):
     run = Run(released)
-    read_at, seen, unread = [*NO_MARKS], [], 0
-    ticks, recorded = [[*NO_MARKS]], []
+    read_at, seen, unread = Marks(), [], 0
+    ticks, recorded = [Marks()], []
     for kinds, reads in instants:
         run.go_on(kinds)
         if len(ticks) > 1:  # A record may be read until the next tick.
@@ -134,4 +134,4 @@ def test_a_reader_ahead_of_the_run_gets_nothing():
 def test_a_gantry_that_still_holds_is_no_event(released):
     run = Run(released)
     run.go_on([])
-    assert run.between(NO_MARKS, run.marks()) == []
+    assert run.between(Marks(), run.marks()) == []

@@ -41,7 +41,7 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         "--physics-step",
         type=float,
         metavar="SECONDS",
-        help="at most 0.0045 (default: 0.003); smaller is slower and more exact. The "
+        help="at most 0.01 (default: 0.003); smaller is slower and more exact. The "
         "control period is the multiple nearest to 0.009, if the scenario has none",
     )
     robot.add_argument(

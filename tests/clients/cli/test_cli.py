@@ -133,7 +133,7 @@ def test_no_input_is_waited_for_without_end(arguments, tmp_path, capsys):
     ("options", "complaints"),
     [
         (["demo", "--model", "spot"], ["spot", "atlas, atlas_v3"]),
-        (["demo", "--physics-step", "0.01"], ["physics_step"]),
+        (["demo", "--physics-step", "0.011"], ["physics_step"]),
         (["demo", "--seed", "-1"], ["seed"]),
         (["demo", "--set", "controller.gains.dcm_gian=2"], ["Did you mean 'dcm_gain'"]),
         (["teleop", "--set", "controller.gains.dcm_gian=2"], ["mean 'dcm_gain'"]),
