@@ -30,7 +30,7 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorInterface,
 )
 from atlas_drake.messages.checks import check_number, check_vector
-from atlas_drake.messages.commands import commands_at_start, latch
+from atlas_drake.messages.commands import commands_at_start, merge_ports
 from atlas_drake.robot import load_robot
 
 ROBOT = load_robot()
@@ -201,11 +201,11 @@ def test_any_wrong_value_is_refused_once_by_name_and_changes_nothing(spoiled):
     ports = (
         [command, NOTHING] if isinstance(command, AtlasCommand) else [NOTHING, command]
     )
-    force = latch(START, *ports, ROBOT, 1.0)
+    force = merge_ports(START, ports, ROBOT, 1.0)
     assert force.refused == force.received == 1
     assert (force.joints, force.request) == (START.joints, START.request)
     # It stays on its port.
-    assert latch(force, *ports, ROBOT, 2.0) is force
+    assert merge_ports(force, ports, ROBOT, 2.0) is force
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,10 +1,12 @@
 """The commands in force: all commands accepted so far, merged.
 
 Pure functions on frozen values. A message that the door refuses, or that contradicts
-what is in force, changes nothing but the error code.
+what is in force, changes nothing but the error code. A message on a port is new if it
+is another frozen one, or differs in content from the one before.
 """
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -37,24 +39,10 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 KEPT = 50
 """Number of requests and events to keep; none younger than READ_WITHIN is dropped."""
+_KINDS = (AtlasCommand, AtlasSimInterfaceCommand)
+"""Kinds of message on the two command ports."""
 SAME_FAULT = 1.0
 """Time within which a refusal for the same field is not logged again [s]."""
-
-
-@dataclass(frozen=True)
-class Sent(Frozen):
-    """A command on a port that is new, even if it equals the one before it."""
-
-    message: Any
-    number: int
-
-
-@dataclass(frozen=True)
-class Seen(Frozen):
-    """What was last on a port: its value if that cannot change, and its outcome."""
-
-    value: Any = NOTHING
-    outcome: Accepted | Refusal | None = None
 
 
 @dataclass(frozen=True)
@@ -90,8 +78,7 @@ class ActiveCommand(Frozen):
     events: tuple[Event, ...] = ()  # One for each of the latest messages.
     received: int = 0  # Number of all messages, and so of their events.
     refused: int = 0
-    atlas_command: Seen = Seen()
-    sim_command: Seen = Seen()
+    on_ports: tuple[Any, Any] = (NOTHING, NOTHING)  # Last message or refusal on each.
     atlas_stamp: float | None = None  # Of the last accepted joint command [s].
     sim_stamp: float | None = None  # Of the last accepted behavior command [s].
 
@@ -135,75 +122,67 @@ def commands_at_start(
     )
 
 
-def latch(
-    force: ActiveCommand,
-    atlas_command: Any,
-    sim_command: Any,
-    robot: Robot,
-    time: float,
+def merge_ports(
+    previous: ActiveCommand, messages: Sequence[Any], robot: Robot, now: float
 ) -> ActiveCommand:
-    """Applies the messages on the two command ports that are new.
+    """Applies those messages on the two command ports that are new.
 
     The joint command is applied first. A port without a message has NOTHING.
     """
-    for port, seen in look(force, atlas_command, sim_command, robot).items():
-        if seen is not getattr(force, port):
-            assert seen.outcome is not None
-            after, _ = receive(force, seen.outcome, robot, time)
-            force = replace(after, **{port: seen})
-    return force
+    for place, message in enumerate(messages):
+        found = _new_on_port(previous, place, message, robot)
+        if found is not None:
+            last, outcome = found
+            previous, _ = apply(previous, outcome, robot, now)
+            on_ports = list(previous.on_ports)
+            on_ports[place] = last
+            previous = replace(previous, on_ports=tuple(on_ports))
+    return previous
 
 
-def look(
-    force: ActiveCommand, atlas_command: Any, sim_command: Any, robot: Robot
-) -> dict[str, Seen]:
-    """Returns what is on each port now: the same object as before if it is not new.
+def _new_on_port(
+    previous: ActiveCommand, place: int, message: Any, robot: Robot
+) -> tuple[Any, Accepted | Refusal] | None:
+    """Returns what to remember of a message on a port, and what the door says of it.
 
-    A message is new if it differs from the last one on its port in the form that the
-    door gives it, and a refused one if its refusal differs. A ``Sent`` command is new.
+    None if the message is not new.
     """
-    found: dict[str, Seen] = {}
-    for port, value, kind in (
-        ("atlas_command", atlas_command, AtlasCommand),
-        ("sim_command", sim_command, AtlasSimInterfaceCommand),
-    ):
-        seen = found[port] = getattr(force, port)
-        if value is NOTHING or value is seen.value:
-            continue
-        is_sent = isinstance(value, Sent)
-        message = value.message if is_sent else value
-        outcome = accept(message, robot, force.catalog, kind=kind)
-        if is_sent or outcome != seen.outcome:
-            lasts = is_sent or (isinstance(value, Message) and value.is_frozen)
-            found[port] = Seen(value if lasts else NOTHING, outcome)
-    return found
+    last = previous.on_ports[place]
+    if message is NOTHING or message is last:
+        return None
+    outcome = accept(message, robot, previous.catalog, kind=_KINDS[place])
+    if isinstance(message, Message) and message.is_frozen:
+        return message, outcome
+    # A message that may still change is compared in the form that the door gives it.
+    found = outcome.message if isinstance(outcome, Accepted) else outcome
+    return None if found == last else (found, outcome)
 
 
-def receive(
-    force: ActiveCommand, outcome: Accepted | Refusal, robot: Robot, time: float
+def apply(
+    previous: ActiveCommand, outcome: Accepted | Refusal, robot: Robot, now: float
 ) -> tuple[ActiveCommand, Refusal | None]:
     """Applies a message that is new; also returns why it is refused, if it is.
 
     ``outcome`` is what the door says of the message.
     """
-    number = force.received + 1
-    force = replace(force, received=number)
+    number = previous.received + 1
+    after = replace(previous, received=number)
     refusal = outcome if isinstance(outcome, Refusal) else None
     if isinstance(outcome, Accepted):
         try:
-            force = _applied(force, outcome, robot, time)
+            after = _merged(after, outcome, robot, now)
         except InvalidMessageError as error:
             refusal = Refusal.of(error, outcome.kind)
     data: dict[str, Any] = {"number": number}
     if refusal is None:
         assert isinstance(outcome, Accepted)
         data["message"] = outcome.message
-        event = Event(time, MESSAGE, outcome.kind.__name__, data)
+        event = Event(now, MESSAGE, outcome.kind.__name__, data)
     else:
-        force = replace(force, error_code=refusal.error_code, refused=force.refused + 1)
+        after = replace(after, error_code=refusal.error_code, refused=after.refused + 1)
         data |= {"command": refusal.kind.__name__, "field": refusal.field}
-        event = Event(time, REFUSAL, f"refused: {refusal.error}", data)
-    return replace(force, events=append_recent(force.events, event, KEPT)), refusal
+        event = Event(now, REFUSAL, f"refused: {refusal.error}", data)
+    return replace(after, events=append_recent(after.events, event, KEPT)), refusal
 
 
 def log_refusals(before: ActiveCommand, after: ActiveCommand) -> None:
@@ -222,13 +201,17 @@ def _repeats(event: Event, earlier: Event) -> bool:
     return is_same and 0.0 <= event.time - earlier.time < SAME_FAULT
 
 
-def _applied(
-    force: ActiveCommand, accepted: Accepted, robot: Robot, time: float
+def _merged(
+    previous: ActiveCommand, accepted: Accepted, robot: Robot, now: float
 ) -> ActiveCommand:
-    """Applies a message, or raises InvalidMessageError if it contradicts the others."""
+    """Merges a message with what is in force.
+
+    Raises:
+        InvalidMessageError: If the message contradicts what is in force.
+    """
     message, given = accepted.message, accepted.joints
     stamp_field = "atlas_stamp" if accepted.kind is AtlasCommand else "sim_stamp"
-    stamp, last = message.header.stamp, getattr(force, stamp_field)
+    stamp, last = message.header.stamp, getattr(previous, stamp_field)
     # A stamp of 0 means "now", which is never too early.
     if stamp and last is not None and stamp < last:
         raise InvalidMessageError(
@@ -238,24 +221,24 @@ def _applied(
             "the message before; 0 means now",
             ErrorCode.TIME_RAN_BACKWARD,
         )
-    requests = force.requests
+    requests = previous.requests
     if isinstance(message, AtlasSimInterfaceCommand):
-        behavior = force.catalog.find(message.behavior)
+        behavior = previous.catalog.find(message.behavior)
         if behavior is Behavior.USER:
             # USER returns every joint to the user at once, for any k_effort.
             all_user = np.full(robot.num_joints, float(K_EFFORT_MAX))
             given = {**given, "k_effort": read_only(all_user)}
-        request = BehaviorRequest(behavior, message, force.received, time)
+        request = BehaviorRequest(behavior, message, previous.received, now)
         requests = append_recent(requests, request, KEPT)
     # Keep the object when nothing changes, so that the joint law stays prepared.
-    joints = replace(force.joints, **given) if given else force.joints
+    joints = replace(previous.joints, **given) if given else previous.joints
     # One of the two bounds may have been in force before.
     field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
     check_order(joints.i_effort_min, joints.i_effort_max, robot, field)
     return replace(
-        force,
+        previous,
         joints=joints,
         requests=requests,
         error_code=ErrorCode.NO_ERRORS,
-        **{stamp_field: stamp or time},
+        **{stamp_field: stamp or now},
     )

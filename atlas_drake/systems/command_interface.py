@@ -12,11 +12,10 @@ from atlas_drake.messages import Accepted, Behavior, Refusal
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
     ActiveCommand,
+    apply,
     commands_at_start,
-    latch,
     log_refusals,
-    look,
-    receive,
+    merge_ports,
 )
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -86,14 +85,13 @@ class CommandInterface(CollectableSystem):
         Messages on the ports count as received; the log of messages is kept.
         """
         before = self._state.get(context)
-        atlas_command, sim_command = self._messages(context)
-        seen = look(before, atlas_command, sim_command, self._robot)
+        merged: ActiveCommand = self._commands.Eval(context)
         after = replace(
             commands_at_start(self._robot, behavior, self._catalog),
             events=before.events,
             received=before.received,
             refused=before.refused,
-            **seen,
+            on_ports=merged.on_ports,
         )
         self._state.set(context, after)
 
@@ -103,8 +101,8 @@ class CommandInterface(CollectableSystem):
         The message counts as new with any content, and is applied after those on the
         ports. Several messages may be received at one instant.
         """
-        force = self._commands.Eval(context)
-        after, refusal = receive(force, outcome, self._robot, context.get_time())
+        before = self._commands.Eval(context)
+        after, refusal = apply(before, outcome, self._robot, context.get_time())
         self._log_refusals(context, after)
         self._state.set(context, after)
         return refusal
@@ -120,12 +118,10 @@ class CommandInterface(CollectableSystem):
         ]
 
     def _merged(self, context: Context) -> ActiveCommand:
-        force = self._state.get(context)
-        atlas_command, sim_command = self._messages(context)
-        if atlas_command is NOTHING and sim_command is NOTHING:
-            return force
-        time = context.get_time()
-        return latch(force, atlas_command, sim_command, self._robot, time)
+        before, messages = self._state.get(context), self._messages(context)
+        if all(message is NOTHING for message in messages):
+            return before
+        return merge_ports(before, messages, self._robot, context.get_time())
 
     def _update(self, context: Context, state: State) -> None:
         after: ActiveCommand = self._commands.Eval(context)

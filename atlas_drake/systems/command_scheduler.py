@@ -7,6 +7,7 @@ one in each tick, so that none replaces another on its port.
 """
 
 import copy
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -14,7 +15,6 @@ from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceState, AtlasState, Imu
-from atlas_drake.messages.commands import Sent
 from atlas_drake.messages.door import Command
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -46,8 +46,7 @@ class CommandScheduler(CollectableSystem):
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
 
     Output ports, which are state:
-        atlas_command: The last ``AtlasCommand``, as ``Sent`` with the number of its
-            entry; NOTHING at first.
+        atlas_command: The last ``AtlasCommand``, frozen; NOTHING at first.
         atlas_sim_interface_command: The last ``AtlasSimInterfaceCommand`` likewise.
         sent: Number of sent entries of the schedule.
     """
@@ -91,5 +90,6 @@ class CommandScheduler(CollectableSystem):
             return
         is_joint_command = isinstance(command, AtlasCommand)
         port = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
-        message = Sent(copy.deepcopy(command), sent + 1)
+        # Another object, frozen: the message is new even if it equals the one before.
+        message = dataclasses.replace(copy.deepcopy(command)).freeze()
         self._last[port].set(state, message)

@@ -1,5 +1,6 @@
 """The commands in force: merged by field, refused as a whole, the later one wins."""
 
+import dataclasses
 import logging
 
 import numpy as np
@@ -16,11 +17,10 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.commands import (
     KEPT,
-    Sent,
+    apply,
     commands_at_start,
-    latch,
     log_refusals,
-    receive,
+    merge_ports,
 )
 from atlas_drake.messages.event import MESSAGE, REFUSAL
 from atlas_drake.messages.joint_command import JOINT_FIELDS
@@ -50,8 +50,8 @@ def sent(force, *messages, time=1.0):
     ports = [NOTHING, NOTHING]
     for message in messages:
         is_sim = isinstance(message, AtlasSimInterfaceCommand)
-        ports[is_sim] = Sent(message, force.received + 1)
-    return latch(force, *ports, ROBOT, time)
+        ports[is_sim] = dataclasses.replace(message).freeze()
+    return merge_ports(force, ports, ROBOT, time)
 
 
 def assert_in_force(force, command):
@@ -156,13 +156,13 @@ def test_at_one_instant_the_behavior_command_is_the_later_one():
 
 def test_one_refused_message_does_not_take_the_other_with_it():
     bad, good = AtlasCommand(position=[0.0]), AtlasSimInterfaceCommand(behavior="WALK")
-    once = latch(START, bad, good, ROBOT, 1.0)
+    once = merge_ports(START, [bad, good], ROBOT, 1.0)
     assert once.request.behavior is Behavior.WALK
     assert once.joints is START.joints
     assert (once.refused, once.received, once.request.number) == (1, 2, 2)
     # Neither is new while it stays, and a message that leaves its port stays in force.
-    assert latch(once, bad, good, ROBOT, 2.0) is once
-    assert latch(once, NOTHING, NOTHING, ROBOT, 2.0) is once
+    assert merge_ports(once, [bad, good], ROBOT, 2.0) is once
+    assert merge_ports(once, [NOTHING, NOTHING], ROBOT, 2.0) is once
 
 
 def test_an_equal_message_is_new_only_with_another_stamp_or_if_sent_again():
@@ -170,43 +170,42 @@ def test_an_equal_message_is_new_only_with_another_stamp_or_if_sent_again():
         header = Header(stamp)
         return AtlasSimInterfaceCommand(header, behavior="WALK", kp_position=gain)
 
-    again, force = Sent(walk(), 1), START
+    again, force = walk().freeze(), START
     for message, number in (
         (walk(), 1),
         (walk(gain=[0] * 28), 1),
         (walk(gain=np.zeros(28)), 1),
-        (accept(walk(), ROBOT).message, 1),
         (again, 2),
         (again, 2),
         (walk(), 2),
-        (Sent(walk(), 2), 3),
+        (walk().freeze(), 3),
         (walk(stamp=1.5), 4),
         (walk(stamp=1.5), 4),
     ):
-        force = latch(force, NOTHING, message, ROBOT, 1.0)
+        force = merge_ports(force, [NOTHING, message], ROBOT, 1.0)
         assert force.request.number == force.received == number
     assert force.requests[1].command == force.requests[2].command
 
 
 def test_a_message_passed_directly_is_always_new():
     message = AtlasSimInterfaceCommand(behavior="WALK")
-    force = latch(START, NOTHING, message, ROBOT, 1.0)
-    force, refusal = receive(force, accept(message, ROBOT), ROBOT, 1.0)
+    force = merge_ports(START, [NOTHING, message], ROBOT, 1.0)
+    force, refusal = apply(force, accept(message, ROBOT), ROBOT, 1.0)
     assert refusal is None
     assert [request.number for request in force.requests] == [0, 1, 2]
     # What is on the port has been received already, and so counts no second time.
-    assert latch(force, NOTHING, message, ROBOT, 1.0) is force
+    assert merge_ports(force, [NOTHING, message], ROBOT, 1.0) is force
     outcome = accept(AtlasCommand(k_effort=[300]), ROBOT)
-    refused, refusal = receive(force, outcome, ROBOT, 2.0)
+    refused, refusal = apply(force, outcome, ROBOT, 2.0)
     assert refusal == outcome
     assert (refused.received, refused.refused) == (3, 1)
 
 
 def test_a_message_that_changes_on_its_port_is_new():
     command = AtlasCommand(position=[0.0] * 28)
-    force = latch(START, command, NOTHING, ROBOT, 1.0)
+    force = merge_ports(START, [command, NOTHING], ROBOT, 1.0)
     command.position[3] = 0.5
-    force = latch(force, command, NOTHING, ROBOT, 2.0)
+    force = merge_ports(force, [command, NOTHING], ROBOT, 2.0)
     assert force.received == 2
     assert force.joints.position[3] == 0.5
     assert force.events[0].data["message"].position[3] == 0.0
@@ -223,7 +222,7 @@ def test_time_must_not_run_backward_for_either_kind():
         AtlasSimInterfaceCommand(Header(3.9), behavior="WALK"),
     ):
         # The door knows nothing of the time; what is in force refuses the message.
-        late, refusal = receive(force, accept(message, ROBOT), ROBOT, 1.0)
+        late, refusal = apply(force, accept(message, ROBOT), ROBOT, 1.0)
         assert_only_the_error_is_new(late, force)
         assert late.error_code is refusal.error_code is ErrorCode.TIME_RAN_BACKWARD
         assert refusal.field == "header.stamp"
@@ -268,7 +267,7 @@ def test_each_fault_is_logged_at_intervals_and_again_when_time_went_back(caplog)
         # The values may change: a fault is one of a field.
         gain, velocity = [-1.0 * count] * 28, [0.0] * count
         for fault in (AtlasCommand(kp_velocity=gain), AtlasCommand(velocity=velocity)):
-            force, _ = receive(force, accept(fault, ROBOT), ROBOT, time)
+            force, _ = apply(force, accept(fault, ROBOT), ROBOT, time)
         log_refusals(before, force)
         assert [record.levelno for record in caplog.records] == heard * [
             logging.WARNING

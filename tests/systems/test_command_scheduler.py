@@ -11,7 +11,6 @@ from atlas_drake.messages import (
     AtlasState,
     Imu,
 )
-from atlas_drake.messages.commands import Sent
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 
 PERIOD = 0.01
@@ -50,7 +49,7 @@ class Run:
             self.system.GetOutputPort(name).Eval(context)
             for name in ("sent", "atlas_command", "atlas_sim_interface_command")
         ]
-        return tuple(v.message if isinstance(v, Sent) else v for v in values)
+        return tuple(values)
 
 
 def test_entries_are_sent_on_time_and_in_the_order_of_their_times():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import AtlasCommand, Behavior, accept
-from atlas_drake.messages.commands import commands_at_start, receive
+from atlas_drake.messages.commands import apply, commands_at_start
 from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus
 from atlas_drake.messages.event import READ_WITHIN, Event, append_recent
 from atlas_drake.robot import load_robot
@@ -46,7 +46,7 @@ class Run:
                 continue
             self.happened.append((self.time, kind))
             if kind in OUTCOMES:
-                self.commands, _ = receive(
+                self.commands, _ = apply(
                     self.commands, OUTCOMES[kind], ROBOT, self.time
                 )
             elif kind == "push":
