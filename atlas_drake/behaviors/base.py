@@ -46,7 +46,7 @@ class Observation:
         terms: Kinematics and dynamics at the present state.
         foot_force: Normal force on the left and right sole [N], shape (2,); NaN at the
             first tick, before any was measured.
-        user_share: The user's share of each joint's effort, 0 to 1, shape (n,).
+        k: The user's blend weight of each joint, 0 to 1, shape (n,).
         foot_wrenches: Measures the contact wrenches on left and right foot, in W at
             the sole's center [N·m; N], shape (12,). A call costs a tenth of a
             millisecond.
@@ -57,14 +57,14 @@ class Observation:
     dt: float
     terms: WholeBodyTerms
     foot_force: np.ndarray
-    user_share: np.ndarray
+    k: np.ndarray
     foot_wrenches: Callable[[], np.ndarray] = _no_wrenches
     footholds: tuple[Foothold, Foothold] = (WHOLE, WHOLE)
 
     @cached_property
     def user_held(self) -> np.ndarray:
         """Joints that the user controls alone, bool, shape (n,)."""
-        return read_only(self.user_share >= 1.0)
+        return read_only(self.k >= 1.0)
 
     def advance_body(
         self, body: BodyReference, target: BodyTarget, rates: BodyRates

@@ -31,7 +31,7 @@ class Recovery:
         them has to carry the robot.
         """
         config = self._config
-        if not config.recovery_steps or observation.user_share[self._legs].any():
+        if not config.recovery_steps or observation.k[self._legs].any():
             return False
         load = float(observation.foot_force.sum()) / self._balance.weight
         if not load > config.recovery_load:  # NaN at the first tick.

@@ -39,19 +39,14 @@ class JointCommand(Frozen):
         return read_only(np.concatenate([getattr(self, name) for name in JOINT_FIELDS]))
 
     @cached_property
-    def share(self) -> np.ndarray:
-        """The user's blend weight k of each joint, 0 to 1, shape (n,); read-only."""
-        return read_only(share_of(self.k_effort))
+    def k(self) -> np.ndarray:
+        """The user's blend weight of each joint, 0 to 1, shape (n,); read-only."""
+        return read_only(self.k_effort * (1.0 / K_EFFORT_MAX))
 
     @cached_property
     def has_user(self) -> bool:
-        """True if the user has a share of any joint."""
+        """True if the user has a part in any joint."""
         return bool(self.k_effort.any())
-
-
-def share_of(k_effort: np.ndarray) -> np.ndarray:
-    """Converts k_effort, 0 to 255, to the user's blend weight k, 0 to 1."""
-    return k_effort * (1.0 / K_EFFORT_MAX)
 
 
 JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)

@@ -11,6 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from atlas_drake.messages.controller_status import MAX_CORNERS
+from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.records.column import WXYZ, XY, XYZ, Column, Group, Names
 
 Array = np.ndarray
@@ -47,6 +48,11 @@ class Joints(Group):
     velocity_setpoint: Annotated[Array, Column("the user's rate", "rad/s", _JOINTS)]
     effort_setpoint: Annotated[Array, Column("the user's set-point", "N·m", _JOINTS)]
     k_effort: Annotated[Array, Column("user's share, 0 to 255", "", _JOINTS, kind="u1")]
+
+    @property
+    def k(self) -> Array:
+        """The user's blend weight of each joint, 0 to 1, shape (n,)."""
+        return self.k_effort * (1.0 / K_EFFORT_MAX)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,7 @@ class CommandInterface(CollectableSystem):
         commands: ``ActiveCommand``; a new message is in force as soon as it is on the
             port, and remains in force after the next update.
         joint_command: ``JointCommand``
-        k_effort: The user's share of each joint, 0 to 255, shape (n,).
+        k: The user's blend weight of each joint, 0 to 1, shape (n,).
     """
 
     __slots__ = ()
@@ -72,9 +72,9 @@ class CommandInterface(CollectableSystem):
             sources,
         )
         self.declare_vector_output(
-            "k_effort",
+            "k",
             robot.num_joints,
-            lambda context: self._commands.Eval(context).k_effort,
+            lambda context: self._commands.Eval(context).joints.k,
             sources,
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)

@@ -10,7 +10,6 @@ from pydrake.systems.framework import Context, DependencyTicket, InputPort
 
 from atlas_drake.control.joints.blend import blend, limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
-from atlas_drake.messages.joint_command import share_of
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -21,7 +20,7 @@ class EffortSelector(CollectableSystem):
     Input ports, shape (n,), message order:
         user_effort: Efforts of the user's law [N·m].
         behavior_effort: Efforts of the behavior [N·m].
-        k_effort: The user's share, 0 to 255.
+        k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
         state: Positions and velocities of the robot, see ``_actuation``.
 
@@ -46,11 +45,11 @@ class EffortSelector(CollectableSystem):
         self._known: MotorLaw | None = None
         self._user = self.DeclareVectorInputPort("user_effort", n)
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
-        self._k_effort = self.DeclareVectorInputPort("k_effort", n)
+        self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
         self.declare_vector_output("effort", n, self._blend)
-        sources = self._of(self._behavior, self._k_effort, self._law)
+        sources = self._of(self._behavior, self._k, self._law)
         self._given = self.declare_cached("given efforts", self._efforts, sources)
         sources = {*self._of(state), self._given.ticket()}
         self.declare_vector_output("actuation", n, self._actuation, sources)
@@ -62,11 +61,10 @@ class EffortSelector(CollectableSystem):
         return {self.input_port_ticket(port.get_index()) for port in ports}
 
     def _blend(self, context: Context) -> np.ndarray:
-        k_effort = self._k_effort.Eval(context)
-        behavior = self._behavior.Eval(context)
-        # Without a user share the user's efforts need no evaluation.
-        user = self._user.Eval(context) if k_effort.any() else behavior
-        return blend(user, behavior, share_of(k_effort), self._limit)
+        k, behavior = self._k.Eval(context), self._behavior.Eval(context)
+        # Where the user has no part, the user's efforts need no evaluation.
+        user = self._user.Eval(context) if k.any() else behavior
+        return blend(user, behavior, k, self._limit)
 
     def _actuation(self, context: Context) -> np.ndarray:
         """Returns the efforts, after the plant's motors were given the law's gains.
@@ -83,8 +81,8 @@ class EffortSelector(CollectableSystem):
 
     def _efforts(self, context: Context) -> tuple[MotorLaw, np.ndarray]:
         law: MotorLaw = self._law.Eval(context)
-        rest = 1.0 - share_of(self._k_effort.Eval(context))
-        effort = law.feed_forward + rest * self._behavior.Eval(context)
+        own = (1.0 - self._k.Eval(context)) * self._behavior.Eval(context)
+        effort = law.feed_forward + own
         # Motors without gains do not limit what they are told to give.
         has_gains = law.stiffness + law.damping > 0.0
         effort = np.where(has_gains, effort, limited(effort, self._limit))

@@ -142,7 +142,7 @@ class JointPidBank(CollectableSystem):
         effort = user_effort(
             law.command, law.integral, state.take(self._q), v_next, self._step
         )
-        return effort * (law.source.share > 0.0)
+        return effort * (law.source.k > 0.0)
 
     def _forecast(self, context: Context) -> UserForecast:
         law = self._in_force(context)

@@ -152,14 +152,14 @@ class WholeBodyController(CollectableSystem):
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
         commands: ActiveCommand = self._command_input.Eval(context)
-        share = commands.joints.share
+        k = commands.joints.k
         first = not before.supervisor.has_begun
         observation = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
             foot_force=_UNKNOWN if first else read_only(self._load_input.Eval(context)),
-            user_share=share,
+            k=k,
             foot_wrenches=lambda: self._wrench_input.Eval(context),
         )
         supervisor, command = self._supervisor.update(
@@ -175,10 +175,10 @@ class WholeBodyController(CollectableSystem):
             return ControllerState(supervisor, effort, com, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
-            bounds = effort_bounds(share, user, limit)
+            bounds = effort_bounds(k, user, limit)
             solution = self._qp.solve(terms, command, bounds)
             effort = behavior_share(
-                solution.effort, solution.joint_acceleration, share, user, limit
+                solution.effort, solution.joint_acceleration, k, user, limit
             )
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)

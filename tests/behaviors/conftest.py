@@ -93,7 +93,7 @@ def observe(model):
             dt=0.002,
             terms=terms,
             foot_force=np.full(2, 0.5 * robot.mass * 9.81),
-            user_share=np.array([users.get(name, 0.0) for name in robot.joint_names]),
+            k=np.array([users.get(name, 0.0) for name in robot.joint_names]),
         )
 
     return make

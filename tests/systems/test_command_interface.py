@@ -46,7 +46,7 @@ def test_both_ports_may_stay_unconnected(sender, robot):
     np.testing.assert_array_equal(
         sender.out("joint_command").position, robot.stand_prep
     )
-    np.testing.assert_array_equal(sender.out("k_effort"), np.zeros(28))
+    np.testing.assert_array_equal(sender.out("k"), np.zeros(28))
     sender.put(ATLAS, NOTHING)
     sender.put(SIM, NOTHING)
     assert sender.out() is before
@@ -57,7 +57,7 @@ def test_a_message_is_in_force_at_once_and_stays_so_when_it_leaves_the_port(send
     sender.put(SIM, AtlasSimInterfaceCommand(behavior="freeze"))
     for _ in range(2):
         assert sender.out("joint_command").position.tolist() == [0.3] * 28
-        assert sender.out("k_effort").tolist() == [100.0] * 28
+        assert sender.out("k").tolist() == [100.0 * (1.0 / 255.0)] * 28
         assert sender.out().request.behavior is Behavior.FREEZE
         sender.tick()
         sender.put(ATLAS, NOTHING)
@@ -80,5 +80,5 @@ def test_a_reset_restores_the_start_and_counts_no_message_again(sender):
     sender.tick()
     after = sender.out()
     assert (after.request.behavior, after.received) == (Behavior.USER, 2)
-    assert sender.out("k_effort").tolist() == [255.0] * 28
+    assert sender.out("k").tolist() == [1.0] * 28
     assert sender.out("joint_command").position[0] != 0.3

@@ -7,8 +7,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.systems.effort_selector import EffortSelector
 
-K = np.array(([0, 255, 51, 204] * 7), dtype=float)
-"""k_effort of each joint."""
+K = np.array([0, 255, 51, 204] * 7) / 255
+"""The user's blend weight of each joint."""
 
 
 @pytest.fixture
@@ -48,13 +48,13 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
         selector,
         user_effort=user,
         behavior_effort=behavior,
-        k_effort=K,
+        k=K,
         motor_law=law_of(5.0, added * (K > 0)),
         state=plant.GetPositionsAndVelocities(plant.CreateDefaultContext()),
     )
     effort = selector.GetOutputPort("effort").Eval(context)
-    rest = (1 - K / 255) * behavior
-    expected = np.clip(K / 255 * user + rest, -limit, limit)
+    rest = (1 - K) * behavior
+    expected = np.clip(K * user + rest, -limit, limit)
     np.testing.assert_allclose(effort, expected)
     assert (np.abs(expected) == limit).any()
     # A motor that has gains limits the sum itself.
@@ -67,7 +67,7 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
 def test_every_context_gives_the_motors_its_own_gains(robot, plant):
     selector, nothing = EffortSelector(robot, plant), np.zeros(28)
     state = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
-    common = {"behavior_effort": nothing, "k_effort": K, "state": state}
+    common = {"behavior_effort": nothing, "k": K, "state": state}
     laws = [law_of(stiffness, nothing) for stiffness in (5.0, 7.0)]
     contexts = [fed(selector, motor_law=law, **common) for law in laws]
     wanted = selector.GetOutputPort("desired_state")

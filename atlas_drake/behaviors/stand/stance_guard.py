@@ -125,5 +125,5 @@ class StanceGuard(BehaviorProtocol):
         upright, the ankle moves the center of pressure. Sideways a stance on two feet
         is stable under the user's control too.
         """
-        left_over = (1.0 - observation.user_share[self._pitch]) * self._limit
+        left_over = (1.0 - observation.k[self._pitch]) * self._limit
         return any(min(leg) >= self._least_effort for leg in left_over.tolist())

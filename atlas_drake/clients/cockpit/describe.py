@@ -15,9 +15,12 @@ from atlas_drake.clients.cockpit.frame import shown_event
 from atlas_drake.clients.logs import Log
 from atlas_drake.clients.view.overlays import OVERLAYS, logged_overlays
 from atlas_drake.config import fields_of
-from atlas_drake.messages import AtlasBehaviorPelvisServoParams, Behavior
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasBehaviorPelvisServoParams,
+    Behavior,
+)
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
-from atlas_drake.messages.joint_command import share_of
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.records import Schema, TickRecord
 from atlas_drake.records.plain import PARTS, leaves, to_plain
@@ -60,7 +63,7 @@ def describe_log(log: Log, beside: Log | None) -> dict[str, Any]:
     numbers = log["behavior.current"]
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
     rows = thinned(len(log), SHARES_OF_LOG)
-    shares = share_of(log["joints.k_effort"][rows]).mean(axis=1)
+    shares = log["joints.k_effort"][rows].mean(axis=1) / K_EFFORT_MAX
     return {
         **_robot(log.robot, log.header.catalog),
         "title": log.path.name,

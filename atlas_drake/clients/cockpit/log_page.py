@@ -22,7 +22,6 @@ from atlas_drake.clients.logs.log import Log
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.joint_command import share_of
 
 FASTEST_PLAY = 10.0
 """Multiple of real time at which a log is played as fast as can be."""
@@ -188,7 +187,7 @@ class LogPage:
             time=self.time,
             rate=rate,
             behavior=catalog.find(record.behavior.current).name,
-            user=float(share_of(record.joints.k_effort).mean()),
+            user=float(record.joints.k.mean()),
         )
 
 

@@ -143,7 +143,7 @@ class RunPage:
             time=sim.time,
             rate=rate,
             behavior=sim.current_behavior.name,
-            user=float(reports.command.share.mean()),
+            user=float(reports.command.k.mean()),
             events=events,
             reports=reports,
         )

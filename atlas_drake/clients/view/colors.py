@@ -22,7 +22,6 @@ from pydrake.geometry import (
 )
 
 from atlas_drake.clients.view.meshcat_shapes import Visibility
-from atlas_drake.messages.joint_command import share_of
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
@@ -46,7 +45,7 @@ def joint_colors(
     """Returns the colors of the joints' links; None if no coloring is switched on."""
     joints = record.joints
     if "owner" in on:
-        return [shade(OWNERS, share) for share in share_of(joints.k_effort)]
+        return [shade(OWNERS, k) for k in joints.k]
     if "effort" in on:
         shares = np.minimum(np.abs(joints.effort) / robot.effort_limit, 1.0)
         return [shade(EFFORTS, share) for share in shares]

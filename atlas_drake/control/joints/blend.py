@@ -1,7 +1,7 @@
 """Blends the efforts of user and behavior, and bounds the QP's efforts accordingly.
 
 The unknown efforts of the QP are total efforts. The total effort of a joint is the
-user's share plus what the behavior can add within its limits; for a joint that the
+user's part plus what the behavior can add within its limits; for a joint that the
 user controls alone it is the user's effort. The user chooses the blend weights.
 """
 
@@ -16,10 +16,10 @@ from atlas_drake.frozen import read_only
 
 
 def blend(
-    user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
+    user: np.ndarray, behavior: np.ndarray, k: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
     """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
-    return limited(behavior + share * (user - behavior), limit)
+    return limited(behavior + k * (user - behavior), limit)
 
 
 def limited(effort: np.ndarray, limit: np.ndarray) -> np.ndarray:
@@ -74,7 +74,7 @@ def forecast_user_effort(
 
 
 def effort_bounds(
-    share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
+    k: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> EffortBounds:
     """Computes the range of each joint's total effort k·user + (1 - k)·behavior.
 
@@ -82,26 +82,26 @@ def effort_bounds(
     user's effort narrows the range from one side, until the behavior has no influence
     left.
     """
-    middle = share * user.effort
-    reach = (1.0 - share) * effort_limit
-    excess = share * user.excess
-    held = _at_the_limit(share, user, effort_limit)
+    middle = k * user.effort
+    reach = (1.0 - k) * effort_limit
+    excess = k * user.excess
+    held = _at_the_limit(k, user, effort_limit)
     limit = np.sign(user.excess) * effort_limit
     lower = middle - reach - np.minimum(excess, 0.0)
     upper = middle + reach - np.maximum(excess, 0.0)
     return EffortBounds(
         lower=np.where(held, limit, lower),
         upper=np.where(held, limit, upper),
-        user_held=held | (share >= 1.0),
-        added_inertia=np.where(held, 0.0, share * user.inertia),
-        behavior_weight=np.where(held, 0.0, 1.0 - share),
+        user_held=held | (k >= 1.0),
+        added_inertia=np.where(held, 0.0, k * user.inertia),
+        behavior_weight=np.where(held, 0.0, 1.0 - k),
     )
 
 
 def behavior_share(
     total: np.ndarray,
     joint_acceleration: np.ndarray,
-    share: np.ndarray,
+    k: np.ndarray,
     user: UserForecast,
     effort_limit: np.ndarray,
 ) -> np.ndarray:
@@ -111,15 +111,15 @@ def behavior_share(
     the behavior would continue if it received the joint now. The same holds for a joint
     that the user keeps at its limit for any effort of the behavior.
     """
-    rest = 1.0 - share
-    shared = (rest > 0.0) & ~_at_the_limit(share, user, effort_limit)
-    users = share * (user.effort - user.inertia * joint_acceleration)
+    rest = 1.0 - k
+    shared = (rest > 0.0) & ~_at_the_limit(k, user, effort_limit)
+    users = k * (user.effort - user.inertia * joint_acceleration)
     own = np.where(shared, (total - users) / np.where(shared, rest, 1.0), total)
     return limited(own, effort_limit)
 
 
 def _at_the_limit(
-    share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
+    k: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> np.ndarray:
     """Finds joints that the user keeps at their limit for any behavior effort."""
-    return share * np.abs(user.excess) > 2.0 * (1.0 - share) * effort_limit
+    return k * np.abs(user.excess) > 2.0 * (1.0 - k) * effort_limit

@@ -64,7 +64,7 @@ def integrate(
     """
     grown = integral + command.ki_position * (command.position - q) * dt
     clamped = np.minimum(np.maximum(grown, command.i_effort_min), command.i_effort_max)
-    return np.where(command.share > 0.0, clamped, integral)
+    return np.where(command.k > 0.0, clamped, integral)
 
 
 def constant_effort(command: JointCommand, integral: np.ndarray) -> np.ndarray:
@@ -88,12 +88,12 @@ def motor_law(command: JointCommand, integral: np.ndarray, step: float) -> Motor
 
     A spring at q⁺ acts as a spring at q with a damping of h·kp; D contains that.
     """
-    share, kp = command.share, command.kp_position
+    k, kp = command.k, command.kp_position
     law = MotorLaw(
-        share * kp,
-        share * (step_damping(command, step) - step * kp),
+        k * kp,
+        k * (step_damping(command, step) - step * kp),
         command.position,
-        share * constant_effort(command, integral),
+        k * constant_effort(command, integral),
     )
     return read_only(law)
 
