@@ -388,3 +388,19 @@ def main():
 
 if __name__ == "__main__":
     main()
+
+
+# ---- Exercises ---------------------------------------------------------------
+#
+# 1. The gain of the DCM.  ``GAINS.dcm_gain`` is k in e^{-kωt}.  Which least k carries
+#    the four steps, and what does the measured CoP do at k = 6?  (--log, then plot)
+# 2. A step that waits.  Let a foot lift off only when the DCM is within 3 cm of its
+#    plan, or 0.25 s late.  How much harder a push to the left does the walk bear?
+#    (``behaviors/walk/transfer.py`` has the answer of this project.)
+# 3. A step that moves.  Shift the landing place by the error of the DCM that the ankle
+#    cannot hold until touchdown.  (``control/balance/step_adjustment.py``)
+# 4. The arms.  They hang still.  Give the shoulders a posture that swings against the
+#    legs, and watch the yaw moment of the stance foot.
+# 5. The QP.  ``walker_qp.py`` writes it out for Drake's MathematicalProgram.  It leaves
+#    out the limits of the joints: add them.  Then make the friction 0.2, and see which
+#    constraint is active before the robot slips.

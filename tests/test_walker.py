@@ -65,3 +65,14 @@ def test_a_push_does_not_stop_it_and_a_reset_begins_anew():
         sim.apply_push("utorso", 10.0 * np.array([*impulse, 0.0]), 0.1)
         arrives(before + walk(sim, end=sim.time + 3.6))
         sim.reset()
+
+
+@pytest.mark.slow
+def test_with_its_qp_written_out_it_walks_the_same():
+    written_out = run_path(str(FILE.with_name("walker_qp.py")))["WrittenOutWalker"]
+    feet = []
+    for controller in (WALKER, written_out):
+        sim = AtlasSimulation(controller=controller)
+        sim.advance(2.2)  # The first foot has landed.
+        feet.append(np.array(sim.record.feet.positions))
+    np.testing.assert_allclose(*feet, atol=0.01)
