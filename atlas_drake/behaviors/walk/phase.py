@@ -153,7 +153,7 @@ class WalkPhase(Phase, ABC):
 
     # ---- DCM -----------------------------------------------------------------
 
-    @property
+    @cached_property
     def planned(self) -> DcmReference:
         """The present point of the plan."""
         return self.plan.evaluate(self.plan_time)

@@ -28,7 +28,9 @@ class Swing(WalkPhase):
     @property
     def step(self) -> Footstep:
         """The step being taken; balance may move its landing place."""
-        return self.progress.coming[0]
+        step = self.progress.in_air
+        assert step is not None
+        return step
 
     @property
     def stance(self) -> FootPose:
@@ -68,7 +70,7 @@ class Swing(WalkPhase):
         """Returns the phase on the part of the stance sole that carries now."""
         foot, feet = 1 - self.step.foot, self.progress.feet
         stance = on_present_parts(feet, tick.observation)[foot]
-        if stance is self.stance:
+        if stance is feet[foot]:
             return self
         progress = replace(self.progress, feet=with_foot(feet, foot, stance))
         return replace(self, progress=progress, support=tick.balance.support(stance))

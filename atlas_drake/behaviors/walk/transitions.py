@@ -44,6 +44,10 @@ def next_phase(
 ) -> tuple[WalkPhase, Events]:
     """Returns the phase that a decision leads to, and what the log is told of it."""
     match phase, decision:
+        case Swing(), Decision.STAY:
+            return keep_balance(phase, tick), ()
+        case _, Decision.STAY:
+            return phase, ()
         case Transfer(), Decision.HURRY:
             soonest = phase.elapsed + tick.config.rules.hurried_transfer
             return replace(phase, duration=min(phase.duration, soonest)), ()
@@ -61,15 +65,13 @@ def next_phase(
             return shift_weight(phase.progress, now.dcm, now.cop, tick), ()
         case Transfer() | Settle(), Decision.CATCH:
             return catch(phase, tick)
-        case Swing(), Decision.STAY:
-            return keep_balance(phase, tick), ()
         case Swing(), Decision.LAND:
             return land(phase, tick)
         case Settle(), Decision.SQUARE_UP:
             return square_up(phase, tick), ()
         case Settle(), Decision.FINISH:
             return phase, steps_left_out(phase, tick)
-    return phase, ()
+    raise AssertionError(f"{phase} decides {decision}")
 
 
 # ---- a foot lifts off --------------------------------------------------------
@@ -175,10 +177,10 @@ def make_swing(
 
 def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
     """Moves the landing, in place and time, when the ankles cannot hold the DCM."""
-    rules, motion, planned = tick.config.rules, phase.motion, phase.planned
-    remaining = phase.duration - phase.elapsed
+    rules, remaining = tick.config.rules, phase.duration - phase.elapsed
     if remaining < rules.frozen_end:
         return phase
+    step, motion, planned = phase.step, phase.motion, phase.planned
     state = SingleSupportState(
         dcm=tick.dcm,
         planned_dcm=planned.dcm,
@@ -186,17 +188,17 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
         omega=tick.pendulum.omega,
         remaining=remaining,
         sensitivity=phase.sensitivity,
-        stance=phase.stance,
+        stance=phase.progress.feet[1 - step.foot],
     )
     moved, left = touchdown_for_balance(
-        phase.step,
+        step,
         state,
         motion.progress,
         motion.xy,
         tick.config.adjustment,
         tick.config.limits_for_balance,
     )
-    shift = float(np.abs(moved.p_WF - phase.step.p_WF).max())
+    shift = float(np.abs(moved.p_WF - step.p_WF).max())
     if shift < rules.replan_shift and left == remaining:
         return phase
     sooner = remaining - left

@@ -82,13 +82,14 @@ class Walk(BehaviorProtocol):
         phase = phase.on_what_carries(tick)
         decision = phase.decide(tick)
         phase, events = next_phase(phase, decision, tick)
+        reference = phase.dcm_reference()
         phase, feet = phase.command_feet(tick)
         target = trunk_target(phase, tick, self._nominal_height)
         body = observation.advance_body(body, target, self._rates)
         command = self._balance.command(
             observation,
             body,
-            phase.dcm_reference(),
+            reference,
             self._pendulum.omega,
             phase.support,
             feet,
