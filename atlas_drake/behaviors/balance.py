@@ -172,7 +172,7 @@ class Balance:
         )
         softly = quick and com_acceleration[2] > 0.0
         turning = np.array([0.0, 0.0, body.yaw_rate])
-        if observation.user_held[self._back].any():
+        if observation.user_holds(self._back):
             # The user controls the back and so the chest: the pelvis must not be tilted
             # to bring the chest upright.
             chest = np.zeros(3)
@@ -237,10 +237,10 @@ class Balance:
 
         The motion of a leg whose joints the user has is not known.
         """
-        terms, held = observation.terms, observation.user_held
+        terms = observation.terms
         return legs_offset(
             terms,
-            [None if held[joints].any() else joints for joints in self._legs],
+            [None if observation.user_holds(leg) else leg for leg in self._legs],
             [foot.acceleration for foot in feet],
             feedback.com_acceleration_for_cmp(terms.com, cmp, omega),
         )
@@ -253,7 +253,7 @@ class Balance:
         What a swing or a push has put into the trunk would stay there until the waist
         is at its stop. Without the back the trunk is the user's.
         """
-        if observation.user_held[self._back].any():
+        if observation.user_holds(self._back):
             return np.zeros(2)
         momentum, terms = self.gains.momentum, observation.terms
         still = np.array([0.0, 0.0, body.yaw_rate])

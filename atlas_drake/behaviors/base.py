@@ -66,6 +66,14 @@ class Observation:
         """Joints that the user controls alone, bool, shape (n,)."""
         return read_only(self.k >= 1.0)
 
+    @cached_property
+    def _user_holds_any(self) -> bool:
+        return bool(self.user_held.any())
+
+    def user_holds(self, joints: np.ndarray) -> bool:
+        """Returns True if the user controls one of these joints alone."""
+        return self._user_holds_any and bool(self.user_held[joints].any())
+
     def advance_body(
         self, body: BodyReference, target: BodyTarget, rates: BodyRates
     ) -> BodyReference:

@@ -328,7 +328,7 @@ class Supervisor:
         self, state: SupervisorState, active: Running, observation: Observation
     ) -> tuple[SupervisorState, Running]:
         """Warns once if a behavior steps with leg joints under user control."""
-        if not observation.user_held[self._legs].any():
+        if not observation.user_holds(self._legs):
             return state, active
         held = self._legs[observation.user_held[self._legs]]
         names = ", ".join(self._tools.robot.joint_names[i] for i in held)

@@ -126,7 +126,7 @@ class Manipulate(BehaviorProtocol):
         leaving: bool,
     ) -> Outcome:
         """Computes one tick; ``leaving`` brings the robot back to STAND's pose."""
-        waited, waits = state.waits, bool(observation.user_held[self._legs].any())
+        waited, waits = state.waits, observation.user_holds(self._legs)
         state = replace(state, waits=waits)
         changed = (waited and not waits) or self._arms_moved(state, observation)
         if leaving and state.request is not None:
@@ -310,7 +310,7 @@ class Manipulate(BehaviorProtocol):
         tilt = np.array([roll, pitch])
         # Straighten the back first; then trunk and pelvis turn as one.
         step = self._posture_rates.tilt * observation.dt
-        if observation.user_held[self._back].any():
+        if observation.user_holds(self._back):
             bend = tilt_of(terms.R_WC) - tilt
         else:
             bend = body.chest_tilt - body.pelvis_tilt
