@@ -35,7 +35,7 @@ SCRIPTS = sorted(
 CAMPAIGNS = sorted(
     path.stem
     for path in (FOLDER / "campaigns").glob("*.yaml")
-    if path.stem != "disturbed"
+    if not path.stem.startswith("disturbed")
 )
 
 

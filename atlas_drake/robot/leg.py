@@ -49,7 +49,7 @@ class Leg:
         ankle_pitch: Index of the joint in message order.
         ankle_roll: Index of the joint in message order.
         seed: Stand-prep pose, from which numeric kinematics begins [rad], shape (6,).
-        mass_beyond: Mass of all bodies beyond each joint [kg], shape (6,).
+        distal_mass: Mass of all bodies beyond each joint [kg], shape (6,).
         least_flexion: Least flexion of the knee, from the straight leg [rad].
         most_flexion: Greatest flexion of the knee, from the straight leg [rad].
         planar: Lengths of the closed form; None for a leg of another layout.
@@ -68,7 +68,7 @@ class Leg:
     ankle_pitch: int
     ankle_roll: int
     seed: np.ndarray
-    mass_beyond: np.ndarray
+    distal_mass: np.ndarray
     least_flexion: float
     most_flexion: float
     planar: PlanarLeg | None = None
@@ -168,7 +168,7 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
         ankle_pitch=indices[ankle_pitch],
         ankle_roll=indices[_other_ankle(ankle_pitch)],
         seed=np.array([file.joints[i].stand_prep for i in indices]),
-        mass_beyond=np.array(masses),
+        distal_mass=np.array(masses),
         least_flexion=file.least_knee_flexion,
         most_flexion=file.most_knee_flexion,
         planar=planar,

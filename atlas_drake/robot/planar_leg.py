@@ -28,19 +28,19 @@ class PlanarLeg:
 
     Attributes:
         p_PH: Hip center, where hip z and hip x meet, in the pelvis frame [m].
-        aside: Distance of the leg's plane, with hip y, knee and ankle, from the hip
-            center to the left [m].
+        lateral_offset: Distance of the leg's plane, with hip y, knee and ankle, from
+            the hip center to the left [m].
         hip: Hip y axis from the hip center along x and z [m].
     """
 
     p_PH: np.ndarray
-    aside: float
+    lateral_offset: float
     hip: tuple[float, float]
 
     @cached_property
     def p_HT(self) -> np.ndarray:
         """Hip y from the hip center with all joints at zero [m], shape (3,)."""
-        return read_only(np.array([self.hip[0], self.aside, self.hip[1]]))
+        return read_only(np.array([self.hip[0], self.lateral_offset, self.hip[1]]))
 
     @cached_property
     def p_PT(self) -> np.ndarray:
@@ -71,6 +71,6 @@ def planar_leg(
         return None
     return PlanarLeg(
         p_PH=p[0],
-        aside=float(p[2][1] - p[0][1]),
+        lateral_offset=float(p[2][1] - p[0][1]),
         hip=(float(p[2][0] - p[1][0]), float(p[2][2] - p[1][2])),
     )

@@ -189,7 +189,7 @@ _LARGEST_SEED = 2**53
 
 
 @dataclass(frozen=True)
-class Strewn(Obstacle):
+class Rubble(Obstacle):
     """Bricks at random places of an area, none on top of another."""
 
     number: Annotated[int, Interval(ge=0, le=1000)] = 60

@@ -31,7 +31,7 @@ from atlas_drake.robot.load import (
 )
 from atlas_drake.units import Meters, Radians
 from atlas_drake.worlds.models import Model
-from atlas_drake.worlds.obstacles import Blocks, Ramp, Stairs, Strewn
+from atlas_drake.worlds.obstacles import Blocks, Ramp, Rubble, Stairs
 from atlas_drake.worlds.terrain import Block, Place
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
@@ -91,12 +91,12 @@ class World(Configuration):
     """A slope."""
     blocks: Blocks | None = None
     """Tilted footholds."""
-    strewn: Strewn | None = None
+    rubble: Rubble | None = None
     """Bricks at random."""
 
     def terrain(self) -> list[Block]:
         """Returns all boxes, those of obstacles included."""
-        obstacles = [self.stairs, self.ramp, self.blocks, self.strewn]
+        obstacles = [self.stairs, self.ramp, self.blocks, self.rubble]
         given = [one for one in obstacles if one is not None]
         return [*self.boxes, *(block for one in given for block in one.blocks())]
 

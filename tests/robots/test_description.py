@@ -25,8 +25,8 @@ def test_heron_has_other_joints_and_legs_than_atlas(heron):
     assert leg.straight == 0.0
     assert heron.joint_names[leg.knee] == "left_knee"
     # All that moves with the hip is on the leg: its six bodies.
-    assert leg.mass_beyond[0] == pytest.approx(8.8)
-    assert leg.mass_beyond[-1] == pytest.approx(1.0)
+    assert leg.distal_mass[0] == pytest.approx(8.8)
+    assert leg.distal_mass[-1] == pytest.approx(1.0)
     assert heron.contact("left fist").frame == "left_fist"
     with pytest.raises(RobotDescriptionError, match="left fist, right fist"):
         heron.contact("nose")
@@ -157,7 +157,7 @@ HIPS_ASIDE = [
 def test_legs_may_hang_beside_the_hips_center(copied, foot):
     robot = load_robot(copied(*HIPS_ASIDE))
     leg = robot.legs[foot]
-    assert leg.planar.aside == pytest.approx((0.03, -0.03)[foot])
+    assert leg.planar.lateral_offset == pytest.approx((0.03, -0.03)[foot])
     test_the_legs_have_the_closed_form(robot, foot)
     # Nearer than the plane of the leg there is no way to turn it there.
     beside = leg.planar.p_PH + np.array([0.0, 0.0, -0.01]) - leg.p_FA

@@ -45,7 +45,7 @@ def test_drakes_atlas_has_thirty_joints(robot):
         "lwy",
     ]
     leg = robot.legs[0]
-    assert leg.planar.aside == pytest.approx(0.0225)
+    assert leg.planar.lateral_offset == pytest.approx(0.0225)
     assert (leg.thigh, leg.shank) == (tutorials.legs[0].thigh, tutorials.legs[0].shank)
 
 

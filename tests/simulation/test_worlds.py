@@ -94,7 +94,7 @@ def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
 def test_the_command_line_takes_a_world(capsys):
     arguments = ["run", str(EXAMPLE), "--headless"]
     arguments += ["--set", "duration=0.1", "--set", "schedule=none"]
-    assert main([*arguments, "--set", "messages=[]", "--world", "strewn"]) == 0
+    assert main([*arguments, "--set", "messages=[]", "--world", "rubble"]) == 0
     capsys.readouterr()
     assert main([*arguments, "--world", "stares"]) == 2
     assert "Did you mean 'stairs'" in capsys.readouterr().err

@@ -20,7 +20,7 @@ description: a table and a ball
 start: {position: [1.0, 2.0], yaw: 0.5}
 boxes: [{size: [1.0, 1.0, 0.7], position: [3.0, 0.0, 0.7], color: [0.1, 0.2, 0.3]}]
 models: [{file: ball.sdf, X_WB: {translation: [3.0, 0.0, 0.8]}}]
-strewn: {number: 5}
+rubble: {number: 5}
 """
 
 
@@ -45,7 +45,7 @@ def test_level_ground_is_the_default_and_adds_nothing():
 
 
 def test_the_shipped_worlds_have_terrain_and_a_free_start():
-    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "strewn", "bricks"}
+    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "rubble", "bricks"}
     assert set(available_worlds()) == {"level"} | shipped
     for name in shipped:
         world = load_world(name)
@@ -95,7 +95,7 @@ def test_a_path_works_as_a_name_does(own):
     assert len(world.terrain()) == 6
     assert world.boxes[0].rgba.tolist() == [0.1, 0.2, 0.3, 1.0]
     beside = own.with_name("scenario.yaml")
-    for text in ("world: own.yaml", "world: {name: own.yaml, strewn: {number: 1}}"):
+    for text in ("world: own.yaml", "world: {name: own.yaml, rubble: {number: 1}}"):
         beside.write_text(f"{text}\nterrain: [{{}}]\nmodels: [{{file: ball.sdf}}]\n")
         scenario = load_scenario(beside)
         assert scenario.world.name == str(own)
@@ -113,15 +113,15 @@ def test_the_scenario_decides_where_the_robot_starts_and_then_the_world(own):
 
 
 def test_a_logged_scenario_is_read_without_the_file_of_its_world(own):
-    scenario = Scenario(world={"name": str(own), "strewn": {"seed": 4}}).validate()
+    scenario = Scenario(world={"name": str(own), "rubble": {"seed": 4}}).validate()
     text = yaml_dump(as_plain(scenario))
     own.unlink()
     assert scenario_from(yaml_load(data=text)) == scenario
 
 
-def test_bricks_are_strewn_by_their_seed_and_lie_apart():
+def test_bricks_are_rubble_by_their_seed_and_lie_apart():
     def places(seed):
-        world = Scenario(world={"name": "strewn", "strewn": {"seed": seed}})
+        world = Scenario(world={"name": "rubble", "rubble": {"seed": seed}})
         return [block.position for block in world.validate().all_terrain()]
 
     assert places(3) == places(3) != places(4)
@@ -133,7 +133,7 @@ def test_bricks_are_strewn_by_their_seed_and_lie_apart():
 
 def test_sunk_bricks_have_tops_of_different_heights_above_the_ground():
     sunk = {"size": [0.10, 0.05, 0.027], "sunk": 0.017, "number": 40}
-    world = Scenario(world={"name": "strewn", "strewn": sunk}).validate()
+    world = Scenario(world={"name": "rubble", "rubble": sunk}).validate()
     tops = [block.position[2] for block in world.all_terrain()]
     assert 0.010 <= min(tops) < 0.013
     assert 0.024 < max(tops) <= 0.027
@@ -189,9 +189,9 @@ FAULTS = {
     "world.ramp.yaw": [{"ramp": {"yaw": math.nan}}],
     "world.blocks.heights": [{"blocks": {"heights": []}}],
     "world.blocks.heights[0]": [{"blocks": {"heights": [0.0]}}],
-    "world.strewn.number": [{"strewn": {"number": 900}}],
-    "world.strewn.size": [{"strewn": {"size": [0.2, 0.1]}}],
-    "world.strewn.sunk": [{"strewn": {"sunk": 0.05}}],
+    "world.rubble.number": [{"rubble": {"number": 900}}],
+    "world.rubble.size": [{"rubble": {"size": [0.2, 0.1]}}],
+    "world.rubble.sunk": [{"rubble": {"sunk": 0.05}}],
     "world.boxes[0].color[2]": [{"boxes": [{"color": [0, 0, 2]}]}],
     "world.models[0].file": [{"models": [{"file": "no.sdf"}]}],
     "world.start.position": [{"start": {"position": [1]}}],

@@ -43,9 +43,9 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     # Ankle x tilts the leg's plane to its constant distance from the hip center.
     to_hip = R_PF.T @ (plane.p_PH - p_PA)
     away = math.hypot(to_hip[1], to_hip[2])
-    if to_hip[2] <= 0.0 or away <= abs(plane.aside):
+    if to_hip[2] <= 0.0 or away <= abs(plane.lateral_offset):
         return None
-    ankle_x = math.atan2(to_hip[1], to_hip[2]) + math.asin(plane.aside / away)
+    ankle_x = math.atan2(to_hip[1], to_hip[2]) + math.asin(plane.lateral_offset / away)
     R = R_PF @ rotation_x(-ankle_x)
     hip_x = math.asin(min(max(R[2, 1], -1.0), 1.0))
     hip_z = math.atan2(-R[0, 1], R[1, 1])

@@ -61,7 +61,7 @@ class PelvisReach:
         self._legs: tuple[Leg, Leg] = robot.legs
         self._upright = robot.pelvis_height
         self._weight = robot.mass * GRAVITY
-        legs_mass = sum(float(leg.mass_beyond[0]) for leg in self._legs)
+        legs_mass = sum(float(leg.distal_mass[0]) for leg in self._legs)
         self._legs_share = legs_mass / robot.mass
         margin = self.reserves.joint_margin
         self._solvers = [leg_solver(leg) for leg in self._legs]
@@ -123,7 +123,7 @@ class PelvisReach:
             p_PC = p_PF + R_WP.T @ offset
             # The joints above a link do not carry its weight. The weight counts as if
             # it acted on the foot.
-            forces = loads[i] * self._weight - GRAVITY * leg.mass_beyond
+            forces = loads[i] * self._weight - GRAVITY * leg.distal_mass
             torques = held.torques(p_PC, forces[:, None] * up_P)
             if (np.abs(torques) > self._effort[i]).any():
                 return False
