@@ -222,6 +222,7 @@ def make_atlas_station(
         "state": plant.get_state_output_port(own),
         "plant_state": plant.get_state_output_port(),
         "acceleration": plant.get_generalized_acceleration_output_port(own),
+        "net_actuation": plant.get_net_actuation_output_port(own),
         "body_poses": plant.GetOutputPort("body_poses"),
         "contact_results": plant.GetOutputPort("contact_results"),
         "query_object": scene_graph.get_query_output_port(),

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.framework import Context, DependencyTicket, InputPort
 
-from atlas_drake.control.joints.blend import blend, limited
+from atlas_drake.control.joints.blend import limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -18,14 +18,12 @@ class EffortSelector(CollectableSystem):
     """The k_effort selector, and what it tells the plant's motors.
 
     Input ports, shape (n,), message order:
-        user_effort: Efforts of the user's law [N·m].
         behavior_effort: Efforts of the behavior [N·m].
         k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
         state: Positions and velocities of the robot, see ``_actuation``.
 
     Output ports:
-        effort: Efforts of the motors [N·m], shape (n,), message order.
         actuation: What the plant's motors add to spring and damping of the user's law
             [N·m], shape (n,), in their order; they limit the sum.
         desired_state: Set-points of spring and damping, as the plant's port takes them.
@@ -43,12 +41,10 @@ class EffortSelector(CollectableSystem):
         self._motors = plant.GetJointActuatorIndices(own)
         # The law whose gains the plant's motors have; None for none.
         self._known: MotorLaw | None = None
-        self._user = self.DeclareVectorInputPort("user_effort", n)
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
         self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
-        self.declare_vector_output("effort", n, self._blend)
         sources = self._of(self._behavior, self._k, self._law)
         self._given = self.declare_cached("given efforts", self._efforts, sources)
         sources = {*self._of(state), self._given.ticket()}
@@ -59,12 +55,6 @@ class EffortSelector(CollectableSystem):
 
     def _of(self, *ports: InputPort) -> set[DependencyTicket]:
         return {self.input_port_ticket(port.get_index()) for port in ports}
-
-    def _blend(self, context: Context) -> np.ndarray:
-        k, behavior = self._k.Eval(context), self._behavior.Eval(context)
-        # Where the user has no part, the user's efforts need no evaluation.
-        user = self._user.Eval(context) if k.any() else behavior
-        return blend(user, behavior, k, self._limit)
 
     def _actuation(self, context: Context) -> np.ndarray:
         """Returns the efforts, after the plant's motors were given the law's gains.

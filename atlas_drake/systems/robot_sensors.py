@@ -33,12 +33,13 @@ class RobotSensors(NoisySystem):
         contact_results: Contacts of the plant, those with other models included.
         acceleration: Generalized accelerations of the robot, in the order of its
             velocities.
-        effort: Efforts of the motors [N·m], shape (n,).
+        net_actuation: Efforts of the motors, in the plant's order [N·m], shape (n,).
         commands: ``ActiveCommand``, whose gains are reported.
 
     Output ports:
         measured_state: The state as measured: noise on the pelvis' angular velocity
             and on the joints, if the noise model has any.
+        effort: Efforts of the motors [N·m], shape (n,), message order.
         foot_loads: Vertical contact forces on the left and the right foot [N], shape
             (2,), one control tick ago.
         foot_wrenches: Contact wrenches on both feet, in W at the sole's center
@@ -91,7 +92,9 @@ class RobotSensors(NoisySystem):
         self._acceleration = self.DeclareVectorInputPort(
             "acceleration", plant.num_velocities(own)
         )
-        self._effort = self.DeclareVectorInputPort("effort", n)
+        self._net_actuation = self.DeclareVectorInputPort("net_actuation", n)
+        # Places of the joints among the motors of the robot.
+        self._motors = np.argsort(np.argsort(self._indices.actuation))
         self._commands = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         state_ticket = self.input_port_ticket(self._state.get_index())
@@ -124,6 +127,12 @@ class RobotSensors(NoisySystem):
             )
         self.DeclarePeriodicDiscreteUpdateEvent(
             control_period, 0.0, self._sample_wrenches
+        )
+        self.declare_vector_output(
+            "effort",
+            n,
+            self._effort,
+            {self.input_port_ticket(self._net_actuation.get_index())},
         )
         self.declare_value_output("atlas_state", self._atlas_state)
         self.declare_value_output("imu", self._imu)
@@ -175,6 +184,10 @@ class RobotSensors(NoisySystem):
             )
         return wrenches
 
+    def _effort(self, context: Context) -> np.ndarray:
+        effort: np.ndarray = self._net_actuation.Eval(context)[self._motors]
+        return effort
+
     def _imu(self, context: Context) -> Imu:
         time = context.get_time()
         q_WI, rate, force = self._imu_model.measure(
@@ -195,7 +208,7 @@ class RobotSensors(NoisySystem):
         message.position = state[self._indices.q].tolist()
         velocities = state[self._num_q :]
         message.velocity = velocities[self._indices.v].tolist()
-        message.effort = self._effort.Eval(context).tolist()
+        message.effort = self._effort(context).tolist()
         for name in _GAINS:
             setattr(message, name, getattr(commands.joints, name).tolist())
         message.k_effort = commands.k_effort.astype(int).tolist()

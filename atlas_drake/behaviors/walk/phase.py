@@ -24,7 +24,7 @@ from atlas_drake.behaviors.walk.steps import WalkProgress
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference, Pendulum
 from atlas_drake.control.feet.swing_foot import FootSwing, SwingProfile
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose
@@ -156,7 +156,7 @@ class WalkPhase(Phase, ABC):
     @cached_property
     def planned(self) -> DcmReference:
         """The present point of the plan."""
-        return self.plan.evaluate(self.plan_time)
+        return read_only(self.plan.evaluate(self.plan_time))
 
     def dcm_reference(self) -> DcmReference:
         """Evaluates the present references of DCM and CoP."""

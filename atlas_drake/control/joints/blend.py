@@ -15,13 +15,6 @@ from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.frozen import read_only
 
 
-def blend(
-    user: np.ndarray, behavior: np.ndarray, k: np.ndarray, limit: np.ndarray
-) -> np.ndarray:
-    """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
-    return limited(behavior + k * (user - behavior), limit)
-
-
 def limited(effort: np.ndarray, limit: np.ndarray) -> np.ndarray:
     """Returns efforts within ±limit [N·m], shape (n,)."""
     return np.minimum(np.maximum(effort, -limit), limit)
