@@ -31,16 +31,24 @@ settings.load_profile("atlas_drake")
 
 SHORT = "duration: 0.1\n"
 BROWSER = "tests/browser/"
+LAWS = "_laws.py"
+"""End of the name of a file whose tests share the records of a few runs."""
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Has one worker take all tests in a browser, first; the others share the rest."""
+    """Has one worker take all tests in a browser, first; the others share the rest.
+
+    The laws of one file stay with one worker, which plays their runs once.
+    """
     from xdist.scheduler import LoadScopeScheduling
 
     class OneBrowser(LoadScopeScheduling):
         def _split_scope(self, nodeid):
-            return BROWSER if nodeid.startswith(BROWSER) else nodeid
+            file = nodeid.partition("::")[0]
+            if nodeid.startswith(BROWSER):
+                return BROWSER
+            return file if file.endswith(LAWS) else nodeid
 
     return OneBrowser(config, log) if config.getoption("dist") == "load" else None
 

@@ -28,7 +28,7 @@ from atlas_drake.worlds.terrain import Block
 
 pytestmark = pytest.mark.slow
 
-HERON = Path(__file__).parent / "robots" / "heron" / "heron.yaml"
+HERON = str(Path(__file__).parent / "robots" / "heron" / "heron.yaml")
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
 HALF_SOLE = 0.13
@@ -112,8 +112,10 @@ STEADY = {
 """Velocities, as far as the robot walks them [m/s], [rad/s]."""
 
 
-@pytest.mark.parametrize("way", STEADY)
-@pytest.mark.parametrize("model", ["atlas", str(HERON)], ids=["atlas", "heron"])
+@pytest.mark.parametrize(
+    ("model", "way"),
+    [*(("atlas", way) for way in STEADY), (HERON, "ahead"), (HERON, "turning")],
+)
 def test_the_forces_give_the_cmp_that_balance_commands(model, way):
     sim = AtlasSimulation(Scenario(model=model))
     gait = sim.scenario.controller_config().gait()

@@ -209,17 +209,6 @@ def test_a_walk_reports_its_phases_and_steps_as_they_come_up(two_steps):
 
 
 @pytest.mark.slow
-def test_a_step_that_comes_late_lands_on_its_place(walk_message):
-    robot = Recording()
-    robot.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.4, -0.14)))
-    assert robot.advance(LONGEST, stepping(2))
-    robot.sim.publish(walk_message((3, 0, 0.6, 0.14), (4, 1, 0.6, -0.14)))
-    assert robot.advance(LONGEST, in_stand)
-    assert [step["index"] for step in robot.sim.footsteps] == [1, 2, 3, 4]
-    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
-
-
-@pytest.mark.slow
 def test_a_walk_is_changed_asked_to_stand_and_frozen(walk_message):
     robot = Recording()
     robot.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.4, -0.14)))
@@ -417,18 +406,6 @@ def test_a_push_in_step_with_a_foot_in_the_air_is_caught(direction):
     robot.advance(4.0)
     assert robot.texts("recovery")
     assert not robot.sim.has_fallen
-
-
-@pytest.mark.slow
-def test_steps_that_all_have_the_same_index_are_all_taken():
-    robot = Recording()
-    for number, foot in enumerate((LEFT, RIGHT), 1):
-        while len(robot.sim.footsteps) < number:
-            # The program repeats its message all the time.
-            robot.send(1, foot, 0.1, 0.14 if foot == LEFT else -0.14)
-            assert not robot.advance(0.1, lambda _: robot.sim.has_fallen)
-    assert [step["index"] for step in robot.sim.footsteps] == [1, 1]
-    assert all(step["error_m"] <= LANDING_ERROR for step in robot.sim.footsteps)
 
 
 def test_a_step_is_reported_as_it_is_taken():
