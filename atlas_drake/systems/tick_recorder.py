@@ -186,7 +186,7 @@ class TickRecorder(CollectableSystem):
                     commands.received == commands.request.number,
                 ),
                 self._marks(context),
-                self._latest_marks(context),
+                context.get_discrete_state(self._latest).value()[self._places["marks"]],
             ]
         )
 
