@@ -46,10 +46,6 @@ class Run:
         """The record of the tick at ``time`` [s]."""
         return min(self.records, key=lambda record: abs(record.time - time))
 
-    def array(self, value) -> np.ndarray:
-        """The ``value`` of each record."""
-        return np.array([value(record) for record in self.records])
-
 
 def play(message=None, seconds=None, **scenario) -> Run:
     """Plays a scenario from a message on, until the robot stands again."""

@@ -122,7 +122,7 @@ class AtlasSimInterfaceCommand(Message):
     k_effort: Shares = field(default_factory=list)
 
 
-COMMANDS: dict[str, type[Message]] = {
+COMMANDS: dict[str, type[AtlasCommand | AtlasSimInterfaceCommand]] = {
     "atlas_command": AtlasCommand,
     "atlas_sim_interface_command": AtlasSimInterfaceCommand,
 }

@@ -24,6 +24,7 @@ from atlas_drake.messages import (
     Refusal,
     accept,
 )
+from atlas_drake.messages.atlas_command import COMMANDS
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.door import check_order
 from atlas_drake.messages.event import (
@@ -39,8 +40,8 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 KEPT = 50
 """Number of requests and events to keep; none younger than READ_WITHIN is dropped."""
-_KINDS = (AtlasCommand, AtlasSimInterfaceCommand)
-"""Kinds of message on the two command ports."""
+_KINDS = tuple(COMMANDS.values())
+"""Kinds of message on the two command ports, the joint command first."""
 SAME_FAULT = 1.0
 """Time within which a refusal for the same field is not logged again [s]."""
 

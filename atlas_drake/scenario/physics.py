@@ -94,7 +94,7 @@ def check_simulator_config(config: SimulatorConfig) -> None:
 
     if config.start_time != 0.0:
         refuse("start_time", "must be 0: times count from 0")
-    if config.max_step_size < 0.0:
+    if not config.max_step_size >= 0.0:  # NaN, too.
         refuse("max_step_size", "must not be negative")
     if config.integration_scheme not in INTEGRATION_SCHEMES:
         refuse("integration_scheme", f"must be one of {', '.join(INTEGRATION_SCHEMES)}")

@@ -114,7 +114,7 @@ REFUSED = {
     "plant": [{"contact_model": "magnetic"}, {"stiction_tolerance": 0.0}],
     "plant.stiction_tolerance": ["1e-3"],
     "plant.time_step": [0.0005],
-    "simulator.max_step_size": [-1.0],
+    "simulator.max_step_size": [-1.0, math.nan],
     "simulator.integration_scheme": ["guess", "cenic"],
     "simulator.start_time": [1.0],
     "controller.fall.height": [1.5],

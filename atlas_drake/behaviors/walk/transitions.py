@@ -188,7 +188,7 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
         omega=tick.pendulum.omega,
         remaining=remaining,
         sensitivity=phase.sensitivity,
-        stance=phase.progress.feet[1 - step.foot],
+        stance=phase.stance,
     )
     moved, left = touchdown_for_balance(
         step,

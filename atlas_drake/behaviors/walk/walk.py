@@ -51,7 +51,7 @@ class Walk(BehaviorProtocol):
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Transfer:
         """Begins to shift the weight to the first stance foot."""
-        tick, feet = self.tick(observation), observation.foot_poses
+        tick, feet = self._tick(observation), observation.foot_poses
         params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
@@ -71,7 +71,7 @@ class Walk(BehaviorProtocol):
         leaving: bool,
     ) -> Outcome:
         """Walks for one tick; ``leaving`` drops the steps that have not begun."""
-        tick, before = self.tick(observation, leaving), phase
+        tick, before = self._tick(observation, leaving), phase
         progress, news = self._read(phase, tick, request)
         phase = replace(
             phase,
@@ -132,7 +132,7 @@ class Walk(BehaviorProtocol):
             step_queue_saturated=list(progress.preview.reported),
         )
 
-    def tick(self, observation: Observation, leaving: bool = False) -> WalkTick:
+    def _tick(self, observation: Observation, leaving: bool = False) -> WalkTick:
         """Makes what the phases read in a tick."""
         return WalkTick(
             observation, leaving, self._balance, self._pendulum, self._config
