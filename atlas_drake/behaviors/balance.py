@@ -43,6 +43,7 @@ from atlas_drake.control.whole_body.tasks import (
     orientation_acceleration,
     position_acceleration,
 )
+from atlas_drake.control.whole_body.terms import FrameTerms
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages.controller_status import MAX_CORNERS
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
@@ -317,11 +318,13 @@ class Balance:
         observation: Observation,
         foot: int,
         max_load: float = math.inf,
+        planted: FootPose | None = None,
     ) -> FootCommand:
         """Commands a foot in contact to rest, loaded by at most ``max_load`` weights.
 
         A sole that carries little is not counted on for more than it may soon carry,
-        and only where it is known to carry.
+        and only where it is known to carry. If it carries next to nothing although it
+        is ``planted`` there, it is pressed onto the ground, flat as it was.
         """
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
@@ -330,10 +333,11 @@ class Balance:
         if part is not None:
             patch = replace(patch, corners=part)
         trusted = self._trusted(observation, foot)
-        return FootCommand(
-            self._resting(observation, foot, self._stance_weight),
-            self._contact(foot, patch, min(max_load, trusted)),
-        )
+        if rests or planted is None:
+            task = self._resting(observation, foot, self._stance_weight)
+        else:
+            task = self._pressed(observation, foot, planted)
+        return FootCommand(task, self._contact(foot, patch, min(max_load, trusted)))
 
     def footholds(
         self, so_far: tuple[Foothold, Foothold], observation: Observation
@@ -368,16 +372,35 @@ class Balance:
         whole = self._patches.whole.corners
         return 1.0 if pose.part is None else area(pose.part) / area(whole)
 
-    def airborne(self, observation: Observation) -> int | None:
-        """Returns the foot in the air; None while both are down, or neither is."""
+    def airborne(
+        self,
+        observation: Observation,
+        planted: tuple[FootPose, FootPose] | None = None,
+    ) -> int | None:
+        """Returns the foot in the air; None while both are down, or neither is.
+
+        Its ground is where it was ``planted``, or else level with the other sole.
+        """
         left, right = observation.terms.feet
-        if abs(float(left.p_WF[2] - right.p_WF[2])) < self.gains.contact.lifted:
-            return None
-        light = [
-            self._felt(observation, foot) < self.gains.contact.light
-            for foot in (LEFT, RIGHT)
+        if planted is None:
+            grounds = [float(right.p_WF[2]), float(left.p_WF[2])]
+        else:
+            grounds = [float(pose.p_WF[2]) for pose in planted]
+        contact = self.gains.contact
+        flying = [
+            self._felt(observation, foot) < contact.light
+            and self._lowest(sole) - ground > contact.lifted
+            for foot, sole, ground in zip(
+                (LEFT, RIGHT), (left, right), grounds, strict=True
+            )
         ]
-        return light.index(True) if sum(light) == 1 else None
+        return flying.index(True) if sum(flying) == 1 else None
+
+    def _lowest(self, foot: FrameTerms) -> float:
+        """Returns the height of a sole's lowest corner in W [m]."""
+        sole, (along, across, _) = self.robot.file.sole, foot.R_WF[2].tolist()
+        sunk = 0.5 * (abs(along) * sole.length + abs(across) * sole.width)
+        return float(foot.p_WF[2]) - sunk
 
     def _felt(self, observation: Observation, foot: int) -> float:
         """Returns the load on a foot, in weights of the robot."""
@@ -439,6 +462,16 @@ class Balance:
             observation.terms.feet[foot], self.gains.stance_foot_damping
         )
         return FrameTask(self._frames[foot], acceleration, weight)
+
+    def _pressed(
+        self, observation: Observation, foot: int, planted: FootPose
+    ) -> FrameTask:
+        """Builds the task that brings a light sole back to its ground, and flat."""
+        p_WF = observation.terms.feet[foot].p_WF.copy()
+        p_WF[2] = planted.p_WF[2] - self.gains.contact.pressed
+        zero = np.zeros(3)
+        below = SoleMotion(p_WF, zero, zero, planted.R_WF, zero, zero)
+        return self._following(observation, foot, below, self._stance_weight)
 
     def _following(
         self,

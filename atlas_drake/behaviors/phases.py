@@ -64,6 +64,17 @@ def with_foot(
     return (pose, feet[1]) if foot == 0 else (feet[0], pose)
 
 
+def set_down(
+    feet: tuple[FootPose, FootPose], airborne: int | None
+) -> tuple[FootPose, FootPose]:
+    """Returns the feet with the one in the air on the ground of the other one."""
+    if airborne is None:
+        return feet
+    above, stance = feet[airborne], feet[1 - airborne]
+    p_WF = np.append(above.p_WF[:2], stance.p_WF[2])
+    return with_foot(feet, airborne, FootPose(p_WF, stance.R_WF))
+
+
 def sampled(
     evaluate: Callable[[float], DcmReference], times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,7 @@
 """The commands that ``Balance`` makes of references, and the region of the CoP."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.footstep import FootPose
-from atlas_drake.rotations import rotation_z
+from atlas_drake.rotations import rotation_x, rotation_z
 from atlas_drake.shipped import BEHAVIORS, CONTROLLER
 from atlas_drake.units import GRAVITY
 
@@ -58,7 +60,7 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
 
 @pytest.mark.parametrize(
     ("felt", "limit"),
-    [(-0.1, 0.1), (0.0, 0.1), (0.05, 0.175), (0.2, 0.4), (3.0, 3.0), (np.nan, 3.0)],
+    [(-0.1, 0.1), (0.0, 0.1), (0.05, 0.3), (0.2, 0.9), (3.0, 3.0), (np.nan, 3.0)],
 )
 def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     balance, observe, felt, limit
@@ -72,6 +74,21 @@ def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     # What the behavior itself allows is never exceeded.
     less = balance.in_contact(seen, 1, max_load=0.05).contact
     assert less.max_normal_force == pytest.approx(0.05 * balance.weight)
+
+
+def test_a_planted_sole_without_load_is_pressed_down_and_flat(balance, observe):
+    seen = observe()
+    sole = seen.terms.feet[1]
+    planted = FootPose(sole.p_WF - [0.0, 0.0, 0.004], sole.R_WF @ rotation_x(-0.1))
+    for share, pressed in ((0.5, False), (0.0, True)):
+        seen = replace(seen, foot_force=np.full(2, share * balance.weight))
+        target = balance.in_contact(seen, 1, planted=planted).task.target
+        down = balance.gains.swing_position.kp * (balance.gains.contact.pressed + 0.004)
+        turn = balance.gains.swing_orientation.kp * math.sin(-0.1)
+        expected = (turn, -down) if pressed else (0.0, 0.0)
+        np.testing.assert_allclose(target[[0, 5]], expected, rtol=1e-3, atol=1e-6)
+    # Without a place to stand it only comes to rest.
+    assert not balance.in_contact(seen, 1).task.target.any()
 
 
 def commanded(balance, seen, *, body=None, dcm=None):

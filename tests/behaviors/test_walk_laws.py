@@ -376,3 +376,49 @@ def test_steps_of_a_message_end_the_demonstration():
     run.sim.publish(walk(0.1))
     run.advance(0.1)
     assert [step.index for step in run.sim.record.footsteps] == [1]
+
+
+# ---- pushes on the feet --------------------------------------------------------
+
+
+def in_place():
+    """A walk in place, the right foot last in the air of its first step."""
+    run = play(walk(0.0, 0.0, 0.0, 0.0), seconds=0.1)
+    run.until(is_stepping(2))
+    return run
+
+
+def tilt(orientation):
+    _, x, y, _ = orientation
+    return math.acos(1.0 - 2.0 * (x * x + y * y))
+
+
+def test_a_sole_that_a_push_has_turned_has_not_landed():
+    run = in_place()
+    run.until(lambda record: record.walk.t_step_rem < 0.14)
+    run.sim.apply_push("r_foot", [0.0, 400.0, 300.0], 0.08)
+    run.until(lambda record: not in_air(record))
+    record = run.sim.record
+    assert tilt(record.feet.right_orientation) < math.acos(RULES.landing_upright)
+    run.until(stands)
+
+
+@pytest.mark.parametrize("kick", [[0.0, 0.0, 600.0], [-269.0, -289.0, 432.0]])
+def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(kick):
+    run = in_place()
+    run.until(lambda record: not in_air(record))
+    kicked = run.sim.time
+    run.sim.apply_push("r_foot", kick, 0.08)
+    run.until(stands)
+    heights = {
+        record.time: record.feet.right_position[2]
+        for record in run.records
+        if kicked < record.time < kicked + 0.5
+    }
+    assert max(heights.values()) > 0.1
+    assert heights[max(heights)] < 0.005
+    landings = [
+        (step.data["index"], step.data["foot"]) for step in run.events("footstep")
+    ]
+    assert landings == [(1, LEFT), (2, RIGHT), (2, RIGHT), (3, LEFT), (4, RIGHT)]
+    assert run.events("footstep")[-1].data["error_m"] < 0.01

@@ -49,6 +49,11 @@ class WalkRules(Configuration):
     """Normal force that counts as touchdown in the last part of a swing, ``frozen_end``
     long, and later, when the ground is expected; in weights of the robot. A foot that
     bounces lightly passes between two ticks through any larger force."""
+    ground_near: NotNegative[Meters] = 0.02
+    """Height of a sole's lowest edge above its place up to which the ground may have
+    turned it: what turns a foot that is higher is a push."""
+    landing_upright: Share = 0.9
+    """Cosine of the largest tilt of a sole that has landed."""
     landing_turn: Positive[Radians] = 0.03
     """Turn of a sole on its toes, from its reference toward flat, that counts as
     touchdown."""

@@ -151,6 +151,10 @@ class WalkPhase(Phase, ABC):
         """Foot that rises to its toes in the phase; None if both stay flat."""
         return None
 
+    def airborne(self, tick: WalkTick) -> int | None:
+        """Returns the foot that is in the air though the phase has it on the ground."""
+        return tick.balance.airborne(tick.observation, self.progress.feet)
+
     # ---- DCM -----------------------------------------------------------------
 
     @cached_property

@@ -19,12 +19,16 @@ from atlas_drake.rotations import rotation_z
 
 
 def recovery_step(
-    progress: WalkProgress, tick: WalkTick, *, goes_on: bool = False
+    progress: WalkProgress,
+    tick: WalkTick,
+    airborne: int | None = None,
+    *,
+    goes_on: bool = False,
 ) -> Footstep:
     """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
 
-    A foot that is in the air steps; if both are down, the foot that gets nearer to ξ_T.
-    The CoP r is the point of the other sole that is nearest to the DCM ξ. The time T is
+    An ``airborne`` foot steps; if both are down, the foot that gets nearer to ξ_T. The
+    CoP r is the point of the other sole that is nearest to the DCM ξ. The time T is
     that of a quick swing, though balance may hasten it: the robot stops more surely
     behind a long step. Sideways the DCM leaves the stance foot in any case. There T is
     that of the fastest swing, unless the robot moves sideways as fast as ahead or back.
@@ -32,7 +36,6 @@ def recovery_step(
     """
     config, dcm, omega = tick.config, tick.dcm, tick.pendulum.omega
     com = tick.observation.terms.com[:2]
-    airborne = tick.balance.airborne(tick.observation)
     free = (LEFT, RIGHT) if airborne is None else (airborne,)
     duration = config.limits.duration.least
     fast = math.exp(omega * config.adjustment.shortest_swing)

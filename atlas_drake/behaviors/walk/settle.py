@@ -20,10 +20,11 @@ class Settle(WalkPhase):
     def decide(self, tick: WalkTick) -> Decision:
         """Is the walk over?
 
-        It is when the robot is at rest and no step can be taken. If the DCM is lost, a
-        step catches it; once at rest, the other foot is put beside that step's foot.
+        It is when the robot is at rest and no step can be taken. If the DCM is lost, or
+        a push has lifted a foot, a step catches it; once at rest, the other foot is put
+        beside that step's foot.
         """
-        if self.has_lost_dcm(tick):
+        if self.has_lost_dcm(tick) or self.airborne(tick) is not None:
             return Decision.CATCH
         at_rest = self._is_at_rest(tick)
         if at_rest and needs_square_up(self.progress, tick):

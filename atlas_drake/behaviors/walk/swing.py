@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,8 @@ class Swing(WalkPhase):
         if self.duration - self.elapsed < rules.frozen_end:
             least = min(least, rules.landing_force)
         loaded = tick.observation.foot_force[self.step.foot] > least * weight
-        landed = loaded or self._is_turned_by_ground(tick)
+        by_ground = loaded and self._is_pushed_up(tick)
+        landed = by_ground or self._is_turned_by_ground(tick)
         return Decision.LAND if landed else Decision.STAY
 
     def command_feet(
@@ -61,7 +63,7 @@ class Swing(WalkPhase):
         motion, reference = swing_foot.advance_swing(
             self.motion, self.step, tick.config.swing, tick.dt
         )
-        stance = balance.in_contact(observation, 1 - foot)
+        stance = balance.in_contact(observation, 1 - foot, planted=self.stance)
         swing = balance.swinging(observation, foot, reference)
         feet = (swing, stance) if foot == LEFT else (stance, swing)
         return replace(self, motion=motion), feet
@@ -75,6 +77,19 @@ class Swing(WalkPhase):
         progress = replace(self.progress, feet=with_foot(feet, foot, stance))
         return replace(self, progress=progress, support=tick.balance.support(stance))
 
+    def _is_pushed_up(self, tick: WalkTick) -> bool:
+        """Returns True if the force on the foot is that of the ground on its sole.
+
+        The ground pushes up; the other leg, or a hand, pushes aside. On a foot that a
+        push has turned it meets an edge.
+        """
+        foot = self.step.foot
+        upright = float(self.step.normal @ tick.observation.terms.feet[foot].R_WF[:, 2])
+        if upright < tick.config.rules.landing_upright:
+            return False
+        x, y, z = tick.observation.foot_wrenches()[6 * foot + 3 : 6 * foot + 6].tolist()
+        return bool(z > math.hypot(x, y))
+
     def _is_turned_by_ground(self, tick: WalkTick) -> bool:
         """Returns True if the ground turns a sole that lands on its toes.
 
@@ -84,6 +99,9 @@ class Swing(WalkPhase):
         if motion.landing_pitch <= 0.0 or motion.remaining > rules.frozen_end:
             return False
         pose = tick.observation.foot_pose(self.step.foot)
+        lowest = float(pose.p_WF[2]) - tick.half_length * abs(float(pose.R_WF[2, 0]))
+        if lowest > float(self.step.p_WF[2]) + rules.ground_near:
+            return False
         turned = motion.pitch.angle - pitch_from(pose, self.step.normal)
         return turned > rules.landing_turn
 

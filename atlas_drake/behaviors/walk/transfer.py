@@ -35,10 +35,15 @@ class Transfer(WalkPhase):
     def decide(self, tick: WalkTick) -> Decision:
         """When does the foot lift off?
 
-        As planned; later, until the DCM is near its plan; sooner, if the DCM is lost.
+        As planned; later, until the DCM is near its plan; sooner, if the DCM is lost;
+        at once, if a push has lifted a foot.
         """
         lost, coming = self.has_lost_dcm(tick), self.progress.coming
-        if lost and not coming:
+        airborne = self.airborne(tick)
+        if airborne is not None and coming:
+            leaves = airborne == coming[0].foot
+            return Decision.LIFT_OFF if leaves else Decision.STEP_AGAIN
+        if airborne is not None or (lost and not coming):
             return Decision.CATCH
         if tick.leaving:
             return Decision.STOP

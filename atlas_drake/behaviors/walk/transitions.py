@@ -15,7 +15,7 @@ from atlas_drake.behaviors.footsteps import (
     partial_event,
     recovery_event,
 )
-from atlas_drake.behaviors.phases import with_foot
+from atlas_drake.behaviors.phases import set_down, with_foot
 from atlas_drake.behaviors.walk.gait import begun_at, landing_sensitivity, stance_cop
 from atlas_drake.behaviors.walk.phase import Decision, WalkPhase, WalkTick
 from atlas_drake.behaviors.walk.recovery_steps import recovery_step, square_up_step
@@ -29,7 +29,7 @@ from atlas_drake.control.balance.step_adjustment import (
 )
 from atlas_drake.control.feet.footstep import way_around
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch, pitch_from, pitched_pose
-from atlas_drake.control.feet.swing_foot import begin_swing
+from atlas_drake.control.feet.swing_foot import begin_swing, swing_from_the_air
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.messages.footstep import Footstep
@@ -106,14 +106,16 @@ def step_again(phase: Transfer, tick: WalkTick) -> tuple[Swing, Events]:
     The coming steps follow this step.
     """
     progress = phase.progress
-    step = recovery_step(progress, tick, goes_on=True)
+    step = recovery_step(progress, tick, phase.airborne(tick), goes_on=True)
     return _recover(progress, replace(step, index=progress.last_index), tick)
 
 
 def catch(phase: WalkPhase, tick: WalkTick) -> tuple[Swing, Events]:
     """Makes the swing of a step that catches the DCM; no step was commanded."""
-    progress = replace(phase.progress, feet=tick.observation.foot_poses)
-    return _recover(progress, recovery_step(progress, tick), tick)
+    airborne = phase.airborne(tick)
+    feet = set_down(tick.observation.foot_poses, airborne)
+    progress = replace(phase.progress, feet=feet)
+    return _recover(progress, recovery_step(progress, tick, airborne), tick)
 
 
 def _recover(
@@ -152,14 +154,21 @@ def make_swing(
         last_index=step.index,
     )
     onward = begun.coming[1].pose if len(begun.coming) > 1 else None
-    motion = begin_swing(
-        start,
-        duration,
-        tick.half_length,
-        pitch,
-        config.roll.landing(stance, step.pose, onward),
-        way_around(step, start, stance, config.limits.passing, length),
-    )
+    if tick.balance.airborne(tick.observation, feet) == step.foot:
+        sole = tick.observation.terms.feet[step.foot]
+        pose, velocity = tick.observation.foot_pose(step.foot), sole.V_WF[3:5]
+        duration *= 1.0 - config.swing.apex
+        motion, step = swing_from_the_air(pose, velocity, step, duration, config.swing)
+        begun = replace(begun, in_air=step)
+    else:
+        motion = begin_swing(
+            start,
+            duration,
+            tick.half_length,
+            pitch,
+            config.roll.landing(stance, step.pose, onward),
+            way_around(step, start, stance, config.limits.passing, length),
+        )
     swing = Swing(
         progress=begun,
         plan=tick.plan(begun, cop, duration, motion),

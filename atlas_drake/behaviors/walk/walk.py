@@ -12,6 +12,7 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.entry import BehaviorTools
+from atlas_drake.behaviors.phases import set_down
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phase import Decision, WalkPhase, WalkTick
 from atlas_drake.behaviors.walk.steps import (
@@ -51,12 +52,13 @@ class Walk(BehaviorProtocol):
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Transfer:
         """Begins to shift the weight to the first stance foot."""
-        tick, feet = self._tick(observation), observation.foot_poses
+        tick = self._tick(observation)
+        airborne = self._balance.airborne(observation)
+        feet = set_down(observation.foot_poses, airborne)
         params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
         progress = WalkProgress(feet, feet, pending, first, request, self._config)
-        airborne = self._balance.airborne(observation)
         down = feet if airborne is None else (feet[1 - airborne],)
         support = self._balance.support(*down)
         phase = shift_weight(progress, tick.dcm, support.clamp(tick.dcm), tick)

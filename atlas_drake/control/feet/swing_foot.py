@@ -162,6 +162,40 @@ def begin_swing(
     )
 
 
+def swing_from_the_air(
+    sole: FootPose,
+    velocity: np.ndarray,
+    target: Footstep,
+    remaining: float,
+    profile: SwingProfile,
+) -> tuple[FootSwing, Footstep]:
+    """Makes the rest of a swing whose foot is at its apex now, and moves.
+
+    Args:
+        sole: Present pose.
+        velocity: Horizontal, in W [m/s], shape (2,).
+        target: Where the foot goes, on the ground.
+        remaining: Time to touchdown [s].
+        profile: Shape of the swing.
+
+    Returns:
+        The swing, and the step with the height that the foot has.
+    """
+    duration = remaining / (1.0 - profile.apex)
+    ground = replace(target, p_WF=np.append(sole.p_WF[:2], target.p_WF[2]))
+    passed, share = profile.apex * duration, profile.height_share(duration)
+    landing, _, _ = _landing(passed, duration, profile)
+    above = float(sole.p_WF[2] - target.p_WF[2])
+    swing = replace(
+        begin_swing(replace(ground, yaw=sole.yaw).pose, duration),
+        elapsed=passed,
+        xy_velocity=velocity,
+        height_share=share,
+    )
+    height = landing + max(above - landing, 0.0) / share
+    return swing, replace(target, swing_height=height)
+
+
 def advance_swing(
     swing: FootSwing, target: Footstep, profile: SwingProfile, dt: float
 ) -> tuple[FootSwing, SoleMotion]:
