@@ -1,8 +1,8 @@
 """Steering by hand: a tour of waypoints with driven arms, and random velocities.
 
 The tour is after the benchmark ``rhoyn/teleop-walking-benchmark`` for learned walking
-policies, without its punches: every five seconds another waypoint, arms that a user
-moves all the time. The limits are in ``tour.yaml`` and ``velocities.yaml``.
+policies: every five seconds another waypoint and a punch, arms that a user moves all
+the time. The limits are in the files of campaigns that name this one.
 """
 
 from __future__ import annotations
@@ -43,6 +43,13 @@ ARM_TIME, ARM_CHANGE, ARM_RANGE = 0.5, 0.12, 0.8
 """Time between two targets of the arms [s]; largest change and range of each [rad]."""
 OUTWARD = ("shoulder_roll", "arm_shx", "shoulder_r", "arm_left_2", "arm_right_2")
 """Parts of the names of joints that move an arm away from the trunk, and not back."""
+PUNCH_AFTER, PUNCH_TIME = 0.1, 0.08
+"""Time of a punch after the start of its waypoint, and its duration [s]."""
+PUNCH_FIRST, PUNCH_GROWS = 1.0 / 3.0, 60.0
+"""Share of the greatest force at the first waypoint [-]; time in which it grows to all
+of it [s]."""
+PUNCH_LEAST = 0.5
+"""Least share of the force that is the greatest at its time [-]."""
 HOLDS = (0.3, 5.0)
 """Time for which a random velocity is held [s]."""
 
@@ -87,13 +94,48 @@ class Arms:
         return target
 
 
+class Punches:
+    """Punches on random links, in random directions, that grow harder."""
+
+    def __init__(
+        self, sim: AtlasSimulation, greatest: float, random: np.random.Generator
+    ):
+        """Draws a punch for each waypoint; ``greatest`` is a force over mass [N/kg]."""
+        links = sim.robot.moved_links
+        upward, angle = random.uniform(-1.0, 1.0, WAYPOINTS), _turns(random, WAYPOINTS)
+        aside = np.sqrt(1.0 - upward**2)
+        direction = np.stack(
+            [aside * np.cos(angle), aside * np.sin(angle), upward], axis=1
+        )
+        grown = np.minimum(TIME_EACH * np.arange(WAYPOINTS) / PUNCH_GROWS, 1.0)
+        ceiling = PUNCH_FIRST + (1.0 - PUNCH_FIRST) * grown
+        share = ceiling * random.uniform(PUNCH_LEAST, 1.0, WAYPOINTS)
+        self._forces = greatest * sim.robot.mass * share[:, None] * direction
+        self._links = [links[i][0] for i in random.integers(len(links), size=WAYPOINTS)]
+        self._number = 0
+        self._none = greatest == 0.0
+
+    def send(self, sim: AtlasSimulation, since: float) -> None:
+        """Punches the robot if it is time, ``since`` the first waypoint [s]."""
+        number = self._number
+        if (
+            self._none
+            or number == WAYPOINTS
+            or since < number * TIME_EACH + PUNCH_AFTER
+        ):
+            return
+        sim.apply_push(self._links[number], self._forces[number], PUNCH_TIME)
+        self._number += 1
+
+
 def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Steers over the waypoints.
 
     Args:
         sim: A robot that stands.
         parameters: ``fastest``, the largest speed asked for [m/s]; ``driven``, whether
-            a user moves the arms.
+            a user moves the arms; ``punch``, the greatest force of a punch over the
+            robot's mass [N/kg], 0 for none.
 
     Returns:
         Whether it completed the tour, the ``survival`` since the first waypoint [s],
@@ -104,10 +146,11 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     gait = sim.scenario.controller_config().gait()
     speed, driven = float(parameters["fastest"]), bool(parameters["driven"])
     arms = Arms(sim, random)
-    angle = random.uniform(0.0, 2.0 * math.pi, WAYPOINTS)
+    angle = _turns(random, WAYPOINTS)
     far = RADIUS * np.sqrt(random.random(WAYPOINTS))
     places = np.stack([AHEAD + far * np.cos(angle), far * np.sin(angle)], axis=1)
     headings = random.uniform(-math.pi, math.pi, WAYPOINTS)
+    punches = Punches(sim, float(parameters["punch"]), random)
     off: list[float] = []
     turned: list[float] = []
     while sim.time < STANDING + WAYPOINTS * TIME_EACH and not sim.has_fallen:
@@ -121,6 +164,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
                 off.append(math.hypot(x, y))
                 turned.append(abs(yaw))
             _steer(sim, x, y, yaw, speed, gait)
+            punches.send(sim, since)
         sim.advance(POLL)
     moved = [step["error_m"] for step in sim.footsteps]
     return {
@@ -160,6 +204,11 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
             sim.publish(command)
         sim.advance(POLL)
     return {"stays_up": not sim.has_fallen}
+
+
+def _turns(random: np.random.Generator, number: int) -> np.ndarray:
+    """Draws directions in the plane [rad]."""
+    return random.uniform(0.0, 2.0 * math.pi, number)
 
 
 def _error(
