@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasBehaviorStepData, AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.messages import Quaternion, WalkStatus
 from atlas_drake.messages.event import STEPS_LEFT
@@ -422,3 +423,22 @@ def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(k
     ]
     assert landings == [(1, LEFT), (2, RIGHT), (2, RIGHT), (3, LEFT), (4, RIGHT)]
     assert run.events("footstep")[-1].data["error_m"] < 0.01
+
+
+def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
+    run = play(seconds=0.5)
+    force = 0.7 * run.sim.robot.mass / 0.1
+    run.sim.apply_push("trunk", [force, 0.0, 0.0], 0.1)
+    run.advance(0.5)
+    run.until(stands)
+    assert run.sim.time < 3.5
+    first, second = run.events("footstep")
+    assert second.time - first.time < 1.5 * CONFIG.limits.duration.least
+
+    def apart(event):
+        left, right = run.at(event.time).feet.positions
+        return math.hypot(*(left - right)[:2])
+
+    assert apart(first) > 0.5
+    width = CONFIG.in_place.width * StanceConfig().width
+    assert apart(second) == pytest.approx(width, abs=0.02)

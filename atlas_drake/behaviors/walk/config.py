@@ -97,6 +97,26 @@ class WalkRules(Configuration):
 
 
 @dataclass(frozen=True)
+class StepsInPlace(Configuration):
+    """Steps after one that caught the balance, until the robot is quiet.
+
+    Nobody commanded them: the feet come together step by step, and the robot comes to
+    rest on its way.
+    """
+
+    most: NotNegative[int] = 4
+    """Largest number of them."""
+    width: Positive[Ratio] = 1.2
+    """Distance between the feet, in widths of the stance."""
+    height: Positive[Ratio] = 0.5
+    """Apex of the swings, in that of usual steps."""
+    quiet_speed: NotNegative[MetersPerSecond] = 0.25
+    """Speed of the center of mass at touchdown from which no further step is needed."""
+    quiet_apart: NotNegative[Meters] = 0.45
+    """Distance between the feet from which none is needed."""
+
+
+@dataclass(frozen=True)
 class WalkConfig(Configuration):
     """Parameters of WALK."""
 
@@ -126,6 +146,8 @@ class WalkConfig(Configuration):
     of the soles: toe-off lengthens the trailing leg, and the knees bend less."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
     """The step adjustment, which moves and hastens a step for balance."""
+    in_place: StepsInPlace = field(default_factory=StepsInPlace)
+    """Steps in place after one that caught the balance."""
     slack: StepSlack = field(default_factory=StepSlack)
     """Amount by which a step may exceed its limits to correct landing errors."""
 

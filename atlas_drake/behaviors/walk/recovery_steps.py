@@ -1,4 +1,4 @@
-"""Steps that nobody commanded: they catch a lost DCM, or put the feet side by side.
+"""Steps that nobody commanded: they catch a lost DCM, and bring the feet together.
 
 The capture point of a pendulum on a fixed center of pressure is that of Pratt, Carff,
 Drakunov, Goswami, "Capture point: a step toward humanoid push recovery", Humanoids
@@ -14,7 +14,8 @@ import numpy as np
 from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.steps import WalkProgress
 from atlas_drake.control.feet.footstep import landing_error, outward, saturate
-from atlas_drake.messages.footstep import LEFT, RIGHT, Footstep
+from atlas_drake.frozen import replace
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 
@@ -87,14 +88,34 @@ def needs_square_up(progress: WalkProgress, tick: WalkTick) -> bool:
 
 def square_up_step(progress: WalkProgress, other: int, tick: WalkTick) -> Footstep:
     """Makes the step that puts a foot beside the ``other`` one."""
-    config, foot, stance = tick.config, 1 - other, progress.feet[other]
-    width = tick.balance.stance.width
+    config, stance = tick.config, progress.feet[other]
+    usual, width = config.steps.duration, tick.balance.stance.width
+    beside = _beside(stance, 1 - other, width, usual, config.swing.height)
+    return replace(beside, index=progress.next_index)
+
+
+def step_in_place(landing: Footstep, tick: WalkTick) -> Footstep:
+    """Makes the quick step of the other foot that follows a ``landing``."""
+    config, in_place = tick.config, tick.config.in_place
+    width = in_place.width * tick.balance.stance.width
+    height = in_place.height * config.swing.height
+    shortest, foot = config.limits.duration.least, 1 - landing.foot
+    beside = _beside(landing.pose, foot, width, shortest, height)
+    return replace(beside, index=landing.index + 1)
+
+
+def is_quiet(progress: WalkProgress, tick: WalkTick) -> bool:
+    """Returns True if the robot comes to rest on its feet without another step."""
+    left, right = (foot.p_WF[:2] for foot in progress.feet)
+    vx, vy, _ = tick.observation.terms.com_velocity.tolist()
+    in_place = tick.config.in_place
+    apart = float(np.hypot(*(left - right)))
+    return apart < in_place.quiet_apart and math.hypot(vx, vy) < in_place.quiet_speed
+
+
+def _beside(
+    stance: FootPose, foot: int, width: float, duration: float, height: float
+) -> Footstep:
+    """Makes a step to the side of a stance foot; the caller knows its index."""
     beside = outward(foot) * width * rotation_z(stance.yaw)[:, 1]
-    return Footstep(
-        progress.next_index,
-        foot,
-        stance.p_WF + beside,
-        stance.yaw,
-        config.steps.duration,
-        config.swing.height,
-    )
+    return Footstep(0, foot, stance.p_WF + beside, stance.yaw, duration, height)

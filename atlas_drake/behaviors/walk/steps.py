@@ -78,7 +78,8 @@ class WalkProgress:
     last_foot: int | None = None  # Foot of the step begun last; None before the first
     last_index: int = 0  # Index of the step begun last; 0 before the first step
     warned: frozenset[tuple[int, str]] = frozenset()  # Step and topic of each warning
-    recovery_index: int = 0  # Index of the last recovery or square-up step; 0 at first
+    recovery_index: int = 0  # Index of the last step of the walk's own; 0 at first
+    in_place: int = 0  # Number of steps in place that may still begin
 
     @property
     def last_was_recovery(self) -> bool:
@@ -158,7 +159,7 @@ def read_message(
     # A step that a new message replaces may be warned of again.
     new = replaced(progress.known, merged.known)
     warned = frozenset(about for about in progress.warned if about[0] not in new)
-    return replace(merged, warned=warned)
+    return replace(merged, warned=warned, in_place=0)
 
 
 def look_ahead(progress: WalkProgress) -> StepPreview:

@@ -18,7 +18,12 @@ from atlas_drake.behaviors.footsteps import (
 from atlas_drake.behaviors.phases import set_down, with_foot
 from atlas_drake.behaviors.walk.gait import begun_at, landing_sensitivity, stance_cop
 from atlas_drake.behaviors.walk.phase import Decision, WalkPhase, WalkTick
-from atlas_drake.behaviors.walk.recovery_steps import recovery_step, square_up_step
+from atlas_drake.behaviors.walk.recovery_steps import (
+    is_quiet,
+    recovery_step,
+    square_up_step,
+    step_in_place,
+)
 from atlas_drake.behaviors.walk.settle import Settle
 from atlas_drake.behaviors.walk.steps import WalkProgress, with_warnings
 from atlas_drake.behaviors.walk.swing import Swing
@@ -121,13 +126,17 @@ def catch(phase: WalkPhase, tick: WalkTick) -> tuple[Swing, Events]:
 def _recover(
     progress: WalkProgress, step: Footstep, tick: WalkTick
 ) -> tuple[Swing, Events]:
+    pending, most = progress.beginning_with(step), 0
+    if pending == (step,):
+        pending, most = (step, step_in_place(step, tick)), tick.config.in_place.most
     progress = replace(
         progress,
         aimed=progress.feet,
-        pending=progress.beginning_with(step),
+        pending=pending,
         next_index=step.index,
         last_foot=None,
         recovery_index=step.index,
+        in_place=most,
     )
     event = recovery_event(tick.observation.time, step)
     return make_swing(progress, tick), (event,)
@@ -250,11 +259,28 @@ def land(phase: Swing, tick: WalkTick) -> tuple[Transfer | Settle, Events]:
         footstep_event(time, sent, step, landed),
         *contact_event(time, step, early),
     )
+    if progress.in_place:
+        progress = _go_on_in_place(progress, replace(step, p_WF=landed.p_WF), tick)
     # After a swing that stops, the DCM is near the middle of the feet. Steps that came
     # too late for its plan begin with a weight shift from rest.
     if phase.stops or not progress.coming:
         return make_settle(progress, cop, tick), events
     return make_transfer(progress, cop, early, pitch, tick), events
+
+
+def _go_on_in_place(
+    progress: WalkProgress, landing: Footstep, tick: WalkTick
+) -> WalkProgress:
+    """Returns the progress with another step in place; with none once it is quiet."""
+    if is_quiet(progress, tick):
+        return replace(progress, pending=(), in_place=0)
+    following = step_in_place(landing, tick)
+    return replace(
+        progress,
+        pending=(following,),
+        recovery_index=following.index,
+        in_place=progress.in_place - 1,
+    )
 
 
 def make_transfer(
