@@ -109,9 +109,9 @@ class ContactModel(Configuration):
     """Normal force that the QP may count on below a planted sole on which no force is
     measured, in weights of the robot. Efforts that count on a ground that is not there
     spin the light foot by tens of rad/s within a few ticks."""
-    load_growth: Positive[Ratio] = 4.0
+    load_growth: Positive[Ratio] = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one:
-    a sole is trusted with the full weight after two ticks."""
+    a sole is trusted with the full weight after four ticks."""
     pressed: NotNegative[Meters] = 0.03
     """Depth below its ground toward which a planted sole moves that carries next to
     nothing."""

@@ -60,7 +60,7 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
 
 @pytest.mark.parametrize(
     ("felt", "limit"),
-    [(-0.1, 0.1), (0.0, 0.1), (0.05, 0.3), (0.2, 0.9), (3.0, 3.0), (np.nan, 3.0)],
+    [(-0.1, 0.1), (0.0, 0.1), (0.05, 0.175), (0.2, 0.4), (3.0, 3.0), (np.nan, 3.0)],
 )
 def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     balance, observe, felt, limit
