@@ -20,7 +20,7 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.foothold import WHOLE, Foothold, corners_down, observed
 from atlas_drake.control.feet.sole import sole_patches, toe_corners
-from atlas_drake.control.feet.sole_motion import SoleMotion
+from atlas_drake.control.feet.sole_motion import SoleMotion, at_rest
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.angular_momentum import (
     legs_offset,
@@ -469,8 +469,7 @@ class Balance:
         """Builds the task that brings a light sole back to its ground, and flat."""
         p_WF = observation.terms.feet[foot].p_WF.copy()
         p_WF[2] = planted.p_WF[2] - self.gains.contact.pressed
-        zero = np.zeros(3)
-        below = SoleMotion(p_WF, zero, zero, planted.R_WF, zero, zero)
+        below = at_rest(FootPose(p_WF, planted.R_WF))
         return self._following(observation, foot, below, self._stance_weight)
 
     def _following(

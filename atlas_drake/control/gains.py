@@ -128,7 +128,8 @@ class ContactModel(Configuration):
     light: NotNegative[Ratio] = 0.02
     """Load below which a foot may be in the air, in weights of the robot."""
     lifted: NotNegative[Meters] = 0.02
-    """Difference of the feet's heights from which such a foot is in the air."""
+    """Height of a sole's lowest corner above its ground from which such a foot is in
+    the air."""
     full_load: Positive[Ratio] = 3.0
     """Upper bound of the normal force on one sole, in weights of the robot."""
 

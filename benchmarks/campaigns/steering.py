@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,38 +94,12 @@ class Arms:
         return target
 
 
-class Punches:
-    """Punches on random links, in random directions, that grow harder."""
+class Punch(NamedTuple):
+    """A push on a link, a time ``since`` the first waypoint [s]."""
 
-    def __init__(
-        self, sim: AtlasSimulation, greatest: float, random: np.random.Generator
-    ):
-        """Draws a punch for each waypoint; ``greatest`` is a force over mass [N/kg]."""
-        links = sim.robot.moved_links
-        upward, angle = random.uniform(-1.0, 1.0, WAYPOINTS), _turns(random, WAYPOINTS)
-        aside = np.sqrt(1.0 - upward**2)
-        direction = np.stack(
-            [aside * np.cos(angle), aside * np.sin(angle), upward], axis=1
-        )
-        grown = np.minimum(TIME_EACH * np.arange(WAYPOINTS) / PUNCH_GROWS, 1.0)
-        ceiling = PUNCH_FIRST + (1.0 - PUNCH_FIRST) * grown
-        share = ceiling * random.uniform(PUNCH_LEAST, 1.0, WAYPOINTS)
-        self._forces = greatest * sim.robot.mass * share[:, None] * direction
-        self._links = [links[i][0] for i in random.integers(len(links), size=WAYPOINTS)]
-        self._number = 0
-        self._none = greatest == 0.0
-
-    def send(self, sim: AtlasSimulation, since: float) -> None:
-        """Punches the robot if it is time, ``since`` the first waypoint [s]."""
-        number = self._number
-        if (
-            self._none
-            or number == WAYPOINTS
-            or since < number * TIME_EACH + PUNCH_AFTER
-        ):
-            return
-        sim.apply_push(self._links[number], self._forces[number], PUNCH_TIME)
-        self._number += 1
+    since: float
+    link: str
+    force_W: np.ndarray  # [N], shape (3,)
 
 
 def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -150,7 +124,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     far = RADIUS * np.sqrt(random.random(WAYPOINTS))
     places = np.stack([AHEAD + far * np.cos(angle), far * np.sin(angle)], axis=1)
     headings = random.uniform(-math.pi, math.pi, WAYPOINTS)
-    punches = Punches(sim, float(parameters["punch"]), random)
+    punches = _punches(sim, float(parameters["punch"]), random)
     off: list[float] = []
     turned: list[float] = []
     while sim.time < STANDING + WAYPOINTS * TIME_EACH and not sim.has_fallen:
@@ -164,7 +138,9 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
                 off.append(math.hypot(x, y))
                 turned.append(abs(yaw))
             _steer(sim, x, y, yaw, speed, gait)
-            punches.send(sim, since)
+            if punches and since >= punches[-1].since:
+                punch = punches.pop()
+                sim.apply_push(punch.link, punch.force_W, PUNCH_TIME)
         sim.advance(POLL)
     moved = [step["error_m"] for step in sim.footsteps]
     return {
@@ -204,6 +180,28 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
             sim.publish(command)
         sim.advance(POLL)
     return {"stays_up": not sim.has_fallen}
+
+
+def _punches(
+    sim: AtlasSimulation, greatest: float, random: np.random.Generator
+) -> list[Punch]:
+    """Draws punches on random links that grow harder, the first one last.
+
+    ``greatest`` is a force over the robot's mass [N/kg]; none for 0.
+    """
+    if greatest == 0.0:
+        return []
+    links, number = sim.robot.moved_links, np.arange(WAYPOINTS)
+    upward, angle = random.uniform(-1.0, 1.0, WAYPOINTS), _turns(random, WAYPOINTS)
+    aside = np.sqrt(1.0 - upward**2)
+    direction = np.stack([aside * np.cos(angle), aside * np.sin(angle), upward], axis=1)
+    grown = np.minimum(TIME_EACH * number / PUNCH_GROWS, 1.0)
+    ceiling = PUNCH_FIRST + (1.0 - PUNCH_FIRST) * grown
+    share = ceiling * random.uniform(PUNCH_LEAST, 1.0, WAYPOINTS)
+    forces_W = greatest * sim.robot.mass * share[:, None] * direction
+    hit = [links[i][0] for i in random.integers(len(links), size=WAYPOINTS)]
+    times = TIME_EACH * number + PUNCH_AFTER
+    return list(map(Punch, times.tolist(), hit, forces_W))[::-1]
 
 
 def _turns(random: np.random.Generator, number: int) -> np.ndarray:

@@ -383,7 +383,7 @@ def test_steps_of_a_message_end_the_demonstration():
 
 
 def in_place():
-    """A walk in place, the right foot last in the air of its first step."""
+    """A walk in place whose right foot is in the air."""
     run = play(walk(0.0, 0.0, 0.0, 0.0), seconds=0.1)
     run.until(is_stepping(2))
     return run

@@ -14,7 +14,6 @@ import numpy as np
 from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.steps import WalkProgress
 from atlas_drake.control.feet.footstep import landing_error, outward, saturate
-from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
@@ -88,10 +87,10 @@ def needs_square_up(progress: WalkProgress, tick: WalkTick) -> bool:
 
 def square_up_step(progress: WalkProgress, other: int, tick: WalkTick) -> Footstep:
     """Makes the step that puts a foot beside the ``other`` one."""
-    config, stance = tick.config, progress.feet[other]
+    config, index = tick.config, progress.next_index
     usual, width = config.steps.duration, tick.balance.stance.width
-    beside = _beside(stance, 1 - other, width, usual, config.swing.height)
-    return replace(beside, index=progress.next_index)
+    stance, height = progress.feet[other], config.swing.height
+    return _beside(stance, index, 1 - other, width, usual, height)
 
 
 def step_in_place(landing: Footstep, tick: WalkTick) -> Footstep:
@@ -99,9 +98,8 @@ def step_in_place(landing: Footstep, tick: WalkTick) -> Footstep:
     config, in_place = tick.config, tick.config.in_place
     width = in_place.width * tick.balance.stance.width
     height = in_place.height * config.swing.height
-    shortest, foot = config.limits.duration.least, 1 - landing.foot
-    beside = _beside(landing.pose, foot, width, shortest, height)
-    return replace(beside, index=landing.index + 1)
+    shortest, index = config.limits.duration.least, landing.index + 1
+    return _beside(landing.pose, index, 1 - landing.foot, width, shortest, height)
 
 
 def is_quiet(progress: WalkProgress, tick: WalkTick) -> bool:
@@ -114,8 +112,13 @@ def is_quiet(progress: WalkProgress, tick: WalkTick) -> bool:
 
 
 def _beside(
-    stance: FootPose, foot: int, width: float, duration: float, height: float
+    stance: FootPose,
+    index: int,
+    foot: int,
+    width: float,
+    duration: float,
+    height: float,
 ) -> Footstep:
-    """Makes a step to the side of a stance foot; the caller knows its index."""
+    """Makes a step to the side of a stance foot."""
     beside = outward(foot) * width * rotation_z(stance.yaw)[:, 1]
-    return Footstep(0, foot, stance.p_WF + beside, stance.yaw, duration, height)
+    return Footstep(index, foot, stance.p_WF + beside, stance.yaw, duration, height)

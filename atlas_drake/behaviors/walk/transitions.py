@@ -126,9 +126,10 @@ def catch(phase: WalkPhase, tick: WalkTick) -> tuple[Swing, Events]:
 def _recover(
     progress: WalkProgress, step: Footstep, tick: WalkTick
 ) -> tuple[Swing, Events]:
-    pending, most = progress.beginning_with(step), 0
-    if pending == (step,):
-        pending, most = (step, step_in_place(step, tick)), tick.config.in_place.most
+    pending = progress.beginning_with(step)
+    in_place = tick.config.in_place.most if len(pending) == 1 else 0
+    if in_place:
+        pending += (step_in_place(step, tick),)
     progress = replace(
         progress,
         aimed=progress.feet,
@@ -136,7 +137,7 @@ def _recover(
         next_index=step.index,
         last_foot=None,
         recovery_index=step.index,
-        in_place=most,
+        in_place=in_place,
     )
     event = recovery_event(tick.observation.time, step)
     return make_swing(progress, tick), (event,)

@@ -182,12 +182,13 @@ def swing_from_the_air(
         The swing, and the step with the height that the foot has.
     """
     duration = remaining / (1.0 - profile.apex)
-    ground = replace(target, p_WF=np.append(sole.p_WF[:2], target.p_WF[2]))
+    p_WF = np.append(sole.p_WF[:2], target.p_WF[2])
+    below = replace(target, p_WF=p_WF, yaw=sole.yaw).pose
     passed, share = profile.apex * duration, profile.height_share(duration)
     landing, _, _ = _landing(passed, duration, profile)
     above = float(sole.p_WF[2] - target.p_WF[2])
     swing = replace(
-        begin_swing(replace(ground, yaw=sole.yaw).pose, duration),
+        begin_swing(below, duration),
         elapsed=passed,
         xy_velocity=velocity,
         height_share=share,
