@@ -46,6 +46,7 @@ from atlas_drake.systems.fall_monitor import FallMonitor
 from atlas_drake.systems.imu import InertialSensor
 from atlas_drake.systems.interface_reporter import InterfaceReporter
 from atlas_drake.systems.joint_pid_bank import JointPidBank
+from atlas_drake.systems.motors import Motors
 from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
@@ -104,6 +105,7 @@ EXPORTED = (
 
 _FORGET = (
     "joint_pid_bank",
+    "motors",
     "robot_sensors",
     "inertial_sensor",
     "state_estimator",
@@ -231,6 +233,12 @@ def make_atlas_station(
     systems = (commands, pid, selector, sensors, statistics, pushes, falls)
     for system in (*systems, reporter):
         signals |= _outputs(system)
+    signals["received_effort"] = signals["behavior_effort"]
+    if scenario.effort_delay or noise.effort:
+        delay = scenario.effort_delay
+        motors = add("motors", Motors(robot, noise, scenario.seed, delay, step, period))
+        _connect(builder, motors, signals)
+        signals |= _outputs(motors)
     state = "measured_state"
     if scenario.state == "estimated":
         state = "estimated_state"

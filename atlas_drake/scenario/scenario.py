@@ -208,7 +208,10 @@ class Scenario(CheckedOnce):
         BeforeValidator(noise_model, json_schema_input_type=NoiseModel | NoiseName),
     ] = field(default_factory=NoiseModel)
     """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
-    ``rough`` (that, and noisy joint encoders), or fields."""
+    ``rough`` (that, and noisy joint encoders), or fields, with noise of the motors."""
+    effort_delay: NotNegative[Seconds] = 0.0
+    """Time that efforts of the behaviors take to the motors, a multiple of
+    physics_step."""
     state: Annotated[
         Literal["true", "estimated"],
         BeforeValidator(
@@ -284,6 +287,9 @@ class Scenario(CheckedOnce):
         if not is_multiple(self.control_period, self.physics_step):
             step = f"physics_step ({self.physics_step} s)"
             refuse("control_period", f"a whole multiple of {step}, or 0")
+        if not is_multiple(self.effort_delay, self.physics_step):
+            step = f"physics_step ({self.physics_step} s)"
+            refuse("effort_delay", f"a whole multiple of {step}, or 0")
         check_plant_config(self.plant, self.physics_step)
         if not self.friction_jitter < self.ground_friction:
             refuse("friction_jitter", f"below ground_friction ({self.ground_friction})")

@@ -116,10 +116,10 @@ def begin(sim: AtlasSimulation, scenario: Scenario, variation: Variation) -> Non
     context.SetTime(0.0)
     plant, of_plant = sim.part("plant")
     scale_masses(plant, of_plant, sim.robot, variation)
-    for name in ("robot_sensors", "inertial_sensor"):
+    for name in ("robot_sensors", "inertial_sensor", "motors"):
         if sim.station.HasSubsystemNamed(name):
-            sensor, of_sensor = sim.part(name)
-            sensor.set_seed(of_sensor, scenario.seed)
+            noisy, of_noisy = sim.part(name)
+            noisy.set_seed(of_noisy, scenario.seed)
     scene_graph, of_scene = sim.part("scene_graph")
     terrain, friction = scenario.all_terrain(), variation.ground_friction
     set_ground_friction(plant, scene_graph, of_scene, terrain, friction)

@@ -18,7 +18,7 @@ class EffortSelector(CollectableSystem):
     """The k_effort selector, and what it tells the plant's motors.
 
     Input ports, shape (n,), message order:
-        behavior_effort: Efforts of the behavior [N·m].
+        received_effort: Efforts of the behavior, as the motors receive them [N·m].
         k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
         state: Positions and velocities of the robot, see ``_actuation``.
@@ -41,7 +41,7 @@ class EffortSelector(CollectableSystem):
         self._motors = plant.GetJointActuatorIndices(own)
         # The law whose gains the plant's motors have; None for none.
         self._known: MotorLaw | None = None
-        self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
+        self._behavior = self.DeclareVectorInputPort("received_effort", n)
         self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))

@@ -1,4 +1,4 @@
-"""Noise of the robot's sensors, as data and as a pure function of seed and time.
+"""Noise of sensors and motors, as data and as a pure function of seed and time.
 
 The same seed and instant give the same noise, so that a run can be repeated and a
 Context cloned without hidden random state.
@@ -12,12 +12,17 @@ import numpy as np
 from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen
-from atlas_drake.units import MetersPerSecondSquared, Radians, RadiansPerSecond
+from atlas_drake.units import (
+    MetersPerSecondSquared,
+    Radians,
+    RadiansPerSecond,
+    Ratio,
+)
 
 
 @dataclass(frozen=True)
 class NoiseModel(Configuration):
-    """Standard deviations and biases of the measurements."""
+    """Standard deviations and biases of measurements and efforts."""
 
     gyro: NotNegative[RadiansPerSecond] = 0.0
     """White noise of the angular velocity."""
@@ -35,6 +40,8 @@ class NoiseModel(Configuration):
     """White noise of the joint encoders."""
     joint_velocity: NotNegative[RadiansPerSecond] = 0.0
     """White noise of the joint velocities."""
+    effort: NotNegative[Ratio] = 0.0
+    """White noise of the behaviors' efforts at the motors, in the motors' limits."""
 
 
 REFERENCE_IMU = {
@@ -67,12 +74,13 @@ def noise_model(given: NoiseModel | str) -> NoiseModel:
 
 @dataclass(frozen=True)
 class NoiseSample:
-    """Noise of one set of measurements."""
+    """Noise of one set of measurements, and of the efforts in their limits."""
 
     angular_velocity: np.ndarray
     specific_force: np.ndarray
     joint_position: np.ndarray
     joint_velocity: np.ndarray
+    effort: np.ndarray
 
 
 class SensorNoise(Frozen):
@@ -100,12 +108,13 @@ class SensorNoise(Frozen):
         model, n = self._model, self._num_joints
         step = 1 + round(time / self._period)
         random = np.random.Generator(np.random.Philox(key=[self._seed, step]))
-        white = random.standard_normal(6 + 2 * n)
+        white = random.standard_normal(6 + 3 * n)
         return NoiseSample(
             angular_velocity=self._gyro_bias + model.gyro * white[:3],
             specific_force=self._accelerometer_bias + model.accelerometer * white[3:6],
             joint_position=model.joint_position * white[6 : 6 + n],
-            joint_velocity=model.joint_velocity * white[6 + n :],
+            joint_velocity=model.joint_velocity * white[6 + n : 6 + 2 * n],
+            effort=model.effort * white[6 + 2 * n :],
         )
 
 

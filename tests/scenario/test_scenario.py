@@ -95,6 +95,8 @@ REFUSED = {
     "noise": ["deafening"],
     "state": ["guessed", False, 1, ["true"], None],
     "physics_step": [-0.001, 0.0, 1e-6, 0.011, math.nan, 10**400],
+    "effort_delay": [-0.003, 0.001, 0.0045, math.inf],
+    "noise.effort": [-0.01, math.nan],
     "control_period": [-0.006, 0.0016, 0.1, 1e308, math.inf],
     "initial_behavior": ["SITT", "WALK"],
     "duration": [0.0, math.inf, "5", 1e308, 10**400],

@@ -1,5 +1,7 @@
 """All state of a run is in its Context: contexts are independent of each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -11,6 +13,7 @@ from atlas_drake.messages import AtlasCommand, accept
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import walk_command
 from atlas_drake.systems.command_scheduler import ScheduledCommand
+from atlas_drake.systems.sensor_noise import NOISE_MODELS
 
 END = 0.1505
 """Of short runs [s], between two updates: at an update's own instant a simulator may
@@ -23,13 +26,14 @@ STEPPING = 1.1005
 
 @pytest.fixture(scope="module")
 def diagram(robot):
-    """A robot with noisy sensors and shared joints that is about to walk."""
+    """A robot with noisy sensors and motors, and shared joints, is about to walk."""
     arms = AtlasCommand()
     arms.k_effort = [0] * 16 + [255] * 6 + [100] * 6
     arms.ki_position = [5.0] * 28
     arms.i_effort_max = [3.0] * 28
     schedule = [ScheduledCommand(0.02, arms), ScheduledCommand(0.05, walk_command)]
-    scenario = Scenario(noise="rough", seed=3, state="estimated")
+    noise = replace(NOISE_MODELS["rough"], effort=0.002)
+    scenario = Scenario(noise=noise, effort_delay=0.003, seed=3, state="estimated")
     return make_control_mode_switch(robot, scenario, schedule)
 
 

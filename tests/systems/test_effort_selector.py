@@ -46,7 +46,7 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
     behavior, added = random.uniform(-1.5, 1.5, size=(2, 28)) * limit
     context = fed(
         selector,
-        behavior_effort=behavior,
+        received_effort=behavior,
         k=K,
         motor_law=law_of(5.0, added * (K > 0)),
         state=plant.GetPositionsAndVelocities(plant.CreateDefaultContext()),
@@ -62,7 +62,7 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
 def test_every_context_gives_the_motors_its_own_gains(robot, plant):
     selector, nothing = EffortSelector(robot, plant), np.zeros(28)
     state = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
-    common = {"behavior_effort": nothing, "k": K, "state": state}
+    common = {"received_effort": nothing, "k": K, "state": state}
     laws = [law_of(stiffness, nothing) for stiffness in (5.0, 7.0)]
     contexts = [fed(selector, motor_law=law, **common) for law in laws]
     wanted = selector.GetOutputPort("desired_state")
