@@ -19,6 +19,7 @@ EXPECTED = {
     "08_walk_streaming": "Atlas walked its circle.",
     "09_cockpit": "Atlas stands after 9 steps.",
     "10_obstacles": "Atlas stands behind it.",
+    "11_tour": "Atlas completed its tour.",
     "walker": "Atlas stands.",
     "walker_qp": "Atlas stands.",
 }

@@ -17,13 +17,12 @@ from atlas_drake import (
     K_EFFORT_MAX,
     AtlasCommand,
     AtlasSimulation,
-    Behavior,
     nearest_velocity,
     stop_walking,
     walk_at,
 )
 from atlas_drake.planning.walk_at import fastest
-from atlas_drake.rotations import wrap_angle, yaw_of
+from atlas_drake.planning.waypoints import velocity_to, waypoint_error
 
 POLL = 0.1
 """Time between two commands [s]."""
@@ -33,12 +32,6 @@ WAYPOINTS, TIME_EACH = 18, 5.0
 """Number of waypoints, and the time for each [s]."""
 RADIUS, AHEAD = 1.0, 0.3
 """Of the disc of the waypoints, and its middle ahead of the start [m]."""
-GAIN = 1.5
-"""Velocity per error of place and heading [1/s]."""
-NEAR, NEAR_YAW = 0.10, 0.1
-"""Errors from which the robot stands [m], [rad]."""
-TURN = 0.6
-"""Largest rate of the turn [rad/s]."""
 ARM_TIME, ARM_CHANGE, ARM_RANGE = 0.5, 0.12, 0.8
 """Time between two targets of the arms [s]; largest change and range of each [rad]."""
 OUTWARD = ("shoulder_roll", "arm_shx", "shoulder_r", "arm_left_2", "arm_right_2")
@@ -133,11 +126,12 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
         since = sim.time - STANDING + 1e-9
         if since >= 0.0:
             number = min(int(since / TIME_EACH), WAYPOINTS - 1)
-            x, y, yaw = _error(sim, places[number], headings[number])
+            place, yaw = places[number], headings[number]
             if since % TIME_EACH >= TIME_EACH - POLL:
+                x, y, turn = waypoint_error(sim.pelvis_pose, place.tolist(), yaw)
                 off.append(math.hypot(x, y))
-                turned.append(abs(yaw))
-            _steer(sim, x, y, yaw, speed, gait)
+                turned.append(abs(turn))
+            _steer(sim, place, yaw, speed, gait)
             if punches and since >= punches[-1].since:
                 punch = punches.pop()
                 sim.apply_push(punch.link, punch.force_W, PUNCH_TIME)
@@ -209,29 +203,14 @@ def _turns(random: np.random.Generator, number: int) -> np.ndarray:
     return random.uniform(0.0, 2.0 * math.pi, number)
 
 
-def _error(
-    sim: AtlasSimulation, place: np.ndarray, heading: float
-) -> tuple[float, float, float]:
-    """Returns the way to a waypoint, ahead, to the left and turned [m], [rad]."""
-    X_WP = sim.pelvis_pose
-    yaw = yaw_of(X_WP.rotation().matrix())
-    dx, dy = (place - X_WP.translation()[:2]).tolist()
-    c, s = math.cos(yaw), math.sin(yaw)
-    return c * dx + s * dy, c * dy - s * dx, wrap_angle(heading - yaw)
-
-
 def _steer(
-    sim: AtlasSimulation, x: float, y: float, yaw: float, speed: float, gait: Any
+    sim: AtlasSimulation, place: np.ndarray, yaw: float, speed: float, gait: Any
 ) -> None:
     report = sim.atlas_sim_interface_state
-    if math.hypot(x, y) < NEAR and abs(yaw) < NEAR_YAW:
-        walks = report.current_behavior == Behavior.WALK
-        command = stop_walking(report, gait) if walks else None
+    wanted = velocity_to(sim.pelvis_pose, place.tolist(), yaw, gait, speed)
+    if wanted is None:
+        command = stop_walking(report, gait)
     else:
-        forward, left = GAIN * x, GAIN * y
-        share = min(1.0, speed / max(math.hypot(forward, left), 1e-9))
-        turn = min(max(GAIN * yaw, -TURN), TURN)
-        wanted = nearest_velocity(share * forward, share * left, turn, gait)
         command = walk_at(report, *wanted, gait=gait)
     if command is not None:
         sim.publish(command)

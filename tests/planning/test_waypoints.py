@@ -1,0 +1,34 @@
+"""Steering to a waypoint: the velocity that leads there."""
+
+import math
+
+import pytest
+from pydrake.math import RigidTransform, RotationMatrix
+
+from atlas_drake import Gait, velocity_to
+from atlas_drake.planning.waypoints import waypoint_error
+
+
+def pelvis(x, y, yaw):
+    return RigidTransform(RotationMatrix.MakeZRotation(yaw), [x, y, 0.9])
+
+
+def test_the_error_is_as_the_pelvis_sees_it():
+    error = waypoint_error(pelvis(1.0, 2.0, math.pi / 2), (0.5, 4.0), -math.pi)
+    assert error == pytest.approx((2.0, 0.5, math.pi / 2))
+
+
+def test_a_near_waypoint_is_approached_slowly_and_a_far_one_at_the_limit():
+    here, gait = pelvis(0.0, 0.0, 0.0), Gait()
+    near = velocity_to(here, (0.2, 0.0), 0.0, gait, fastest=0.4)
+    far = velocity_to(here, (9.0, 0.0), 0.0, gait, fastest=0.4)
+    assert near == pytest.approx((0.3, 0.0, 0.0))
+    assert far == pytest.approx((0.4, 0.0, 0.0))
+
+
+def test_a_heading_alone_is_a_turn_and_none_is_asked_for_there():
+    gait = Gait()
+    turned = velocity_to(pelvis(0.0, 0.0, 0.3), (0.0, 0.0), 0.0, gait)
+    assert turned.forward == 0.0
+    assert turned.turn == pytest.approx(-0.45)
+    assert velocity_to(pelvis(0.0, 0.0, 0.05), (0.05, 0.0), 0.0, gait) is None
