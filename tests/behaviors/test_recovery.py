@@ -69,43 +69,54 @@ def tick_of(balance, com=(0.0, 0.0), dcm=(0.0, 0.0)):
     )
 
 
-def capture(balance, com, dcm, **goes_on):
-    """The step, the CoP on the other sole, and the distance of the DCM from it."""
+def capture(balance, dcm, airborne=None):
+    """The step that catches this DCM."""
     progress = WalkProgress(FEET, FEET, (), 3, None, CONFIG)
-    step = recovery_step(progress, tick_of(balance, com, dcm), **goes_on)
-    dcm = np.array(dcm)
-    cop = balance.support(FEET[1 - step.foot]).clamp(dcm)
-    return step, cop, dcm - cop
+    return recovery_step(progress, tick_of(balance, dcm=dcm), airborne)
 
 
-FAST = np.exp(OMEGA * CONFIG.adjustment.shortest_swing)
-USUAL = np.exp(OMEGA * CONFIG.timing.swing(CONFIG.limits.duration.least))
+def at_touchdown(step, dcm):
+    """The DCM at the times at which the foot may land, with the CoP at mid-sole."""
+    adjustment, duration = CONFIG.adjustment, CONFIG.limits.duration.least
+    times = np.linspace(adjustment.shortest_swing, CONFIG.timing.swing(duration), 50)
+    cop = FEET[1 - step.foot].p_WF[:2]
+    return cop + np.exp(OMEGA * times)[:, None] * (np.array(dcm) - cop)
 
 
 @pytest.mark.parametrize(
-    ("dcm", "foot"), [((0.15, 0.19), RIGHT), ((-0.12, -0.19), LEFT)]
+    ("dcm", "foot"),
+    [((0.18, 0.05), RIGHT), ((-0.16, -0.04), LEFT), ((0.0, 0.2), LEFT)],
 )
-def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
-    step, cop, ahead = capture(balance, (0.0, 0.0), dcm)
-    shortest = CONFIG.limits.duration.least
-    assert (step.foot, step.index, step.duration) == (foot, 3, shortest)
+def test_the_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
+    step = capture(balance, dcm)
+    duration = CONFIG.limits.duration.least
+    assert (step.foot, step.index, step.duration) == (foot, 3, duration)
     assert step.p_WF[2] == 0.05
-    # Ahead it gets there or to its limit.
-    point = cop + USUAL * ahead
-    assert step.p_WF[0] == pytest.approx(np.clip(point[0], -0.32, 0.42))
+    # Short of the DCM by what ankles and double support can correct, never beyond it.
+    axis = int(np.argmax(np.abs(dcm)))
+    start = FEET[foot].p_WF[axis]
+    way, gone = step.p_WF[axis] - start, at_touchdown(step, dcm)[:, axis] - start
+    assert way * gone[-1] > 0.0
+    assert abs(way) <= np.abs(gone).max()
 
 
-def test_a_step_back_does_not_spread_the_feet_but_one_aside_does(balance):
-    back, cop, ahead = capture(balance, (0.0, 0.02), (-0.13, 0.02))
-    assert back.foot == LEFT
-    assert back.p_WF[1] == pytest.approx(cop[1] + FAST * ahead[1])
-    aside, cop, ahead = capture(balance, (-0.08, -0.03), (-0.13, 0.02))
-    assert aside.p_WF[1] == pytest.approx(min(cop[1] + USUAL * ahead[1], 0.38))
+def test_left_and_right_are_the_same(balance):
+    for x, y in ((0.2, 0.1), (-0.15, 0.02), (0.02, 0.22), (-0.1, 0.3)):
+        step, mirrored = capture(balance, (x, y)), capture(balance, (x, -y))
+        assert step.foot == 1 - mirrored.foot
+        np.testing.assert_allclose(step.p_WF, mirrored.p_WF * [1, -1, 1], atol=1e-12)
 
 
-def test_in_a_walk_that_goes_on_the_step_is_no_longer_than_needed(balance):
-    step, cop, ahead = capture(balance, (0.0, 0.0), (0.13, 0.19), goes_on=True)
-    np.testing.assert_allclose(step.p_WF[:1], (cop + FAST * ahead)[:1])
+def test_a_step_ahead_or_back_does_not_spread_the_feet(balance):
+    for dcm in ((0.2, 0.0), (-0.15, 0.01)):
+        step = capture(balance, dcm)
+        across = abs(step.p_WF[1] - FEET[1 - step.foot].p_WF[1])
+        assert across == pytest.approx(balance.stance.width, abs=0.05)
+
+
+def test_a_foot_in_the_air_steps_whatever_it_costs(balance):
+    for foot in (LEFT, RIGHT):
+        assert capture(balance, (0.1, 0.2), airborne=foot).foot == foot
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

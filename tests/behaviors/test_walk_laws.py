@@ -427,7 +427,7 @@ def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(k
 
 def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
     run = play(seconds=0.5)
-    force = 0.7 * run.sim.robot.mass / 0.1
+    force = 0.8 * run.sim.robot.mass / 0.1
     run.sim.apply_push("trunk", [force, 0.0, 0.0], 0.1)
     run.advance(0.5)
     run.until(stands)

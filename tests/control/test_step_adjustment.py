@@ -82,7 +82,7 @@ def state_with(error):
 
 
 def touchdown(error, progress=0.2, adjustment=LIMITS, **limits):
-    return touchdown_for_balance(
+    step, remaining, _ = touchdown_for_balance(
         STEP,
         state_with(np.array(error)),
         progress,
@@ -90,6 +90,7 @@ def touchdown(error, progress=0.2, adjustment=LIMITS, **limits):
         adjustment,
         StepLimits(**limits),
     )
+    return step, remaining
 
 
 def test_the_error_at_another_time_is_that_of_the_plan_reaching_touchdown_then():

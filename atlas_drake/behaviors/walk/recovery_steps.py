@@ -13,67 +13,59 @@ import numpy as np
 
 from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.steps import WalkProgress
-from atlas_drake.control.feet.footstep import landing_error, outward, saturate
+from atlas_drake.control.balance.step_adjustment import (
+    SingleSupportState,
+    Touchdown,
+    touchdown_for_balance,
+)
+from atlas_drake.control.feet.footstep import landing_error, outward
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
 
 def recovery_step(
-    progress: WalkProgress,
-    tick: WalkTick,
-    airborne: int | None = None,
-    *,
-    goes_on: bool = False,
+    progress: WalkProgress, tick: WalkTick, airborne: int | None = None
 ) -> Footstep:
-    """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
+    """Makes the step that catches a lost DCM at the least cost.
 
-    An ``airborne`` foot steps; if both are down, the foot that gets nearer to ξ_T. The
-    CoP r is the point of the other sole that is nearest to the DCM ξ. The time T is
-    that of a quick swing, though balance may hasten it: the robot stops more surely
-    behind a long step. Sideways the DCM leaves the stance foot in any case. There T is
-    that of the fastest swing, unless the robot moves sideways as fast as ahead or back.
-    In a walk that ``goes_on`` T is always that of the fastest swing.
+    An ``airborne`` foot steps; if both are down, any foot may. A step beside the other
+    foot, after which the robot would be at rest over it, is moved for balance.
     """
-    config, dcm, omega = tick.config, tick.dcm, tick.pendulum.omega
-    com = tick.observation.terms.com[:2]
-    free = (LEFT, RIGHT) if airborne is None else (airborne,)
-    duration = config.limits.duration.least
-    fast = math.exp(omega * config.adjustment.shortest_swing)
-    usual = fast if goes_on else math.exp(omega * config.timing.swing(duration))
+    config, omega = tick.config, tick.pendulum.omega
+    width, height = tick.balance.stance.width, config.swing.height
+    shortest = config.limits.duration.least
+    remaining = config.timing.swing(shortest)
 
-    def step_of(foot: int) -> tuple[float, Footstep]:
-        """The step of one foot, and its distance from ξ_T [m]."""
+    def of(foot: int) -> Touchdown:
         stance = progress.feet[1 - foot]
-        R = rotation_z(stance.yaw)[:2, :2]
-        ahead, aside = np.abs(R.T @ (dcm - com)).tolist()
-        sideways = aside / (max(ahead, aside) or 1.0)
-        growth = np.array([usual, fast + sideways * (usual - fast)])
-        cop = tick.balance.support(stance).clamp(dcm)
-        point = cop + R @ (growth * (R.T @ (dcm - cop)))
-        p_WF, height = np.append(point, stance.p_WF[2]), config.swing.height
-        step = Footstep(progress.next_index, foot, p_WF, stance.yaw, duration, height)
-        step = saturate(step, stance, config.limits)
-        return float(np.hypot(*(step.p_WF[:2] - point))), step
+        step = _beside(stance, progress.next_index, foot, width, shortest, height)
+        cop, there = stance.p_WF[:2], step.p_WF[:2]
+        state = SingleSupportState(
+            dcm=tick.dcm,
+            planned_dcm=cop + math.exp(-omega * remaining) * (there - cop),
+            cop=cop,
+            omega=omega,
+            remaining=remaining,
+            sensitivity=1.0,
+            stance=stance,
+        )
+        return touchdown_for_balance(
+            step,
+            state,
+            0.0,
+            progress.feet[foot].p_WF[:2],
+            config.adjustment,
+            config.limits,
+        )
 
-    return min(map(step_of, free), key=lambda found: found[0])[1]
+    free = (LEFT, RIGHT) if airborne is None else (airborne,)
+    return min(map(of, free), key=lambda found: found.cost).step
 
 
 def may_step_again(progress: WalkProgress, tick: WalkTick) -> bool:
-    """Returns True if the foot that has just landed is the one to catch the DCM.
-
-    The DCM has left its sole mainly to the outer side, where the other foot would have
-    to cross, and the other foot gets less near to the DCM. Ahead and behind the other
-    foot steps as it would have.
-    """
+    """Returns True if the foot that has just landed is the one to catch the DCM."""
     foot = progress.last_foot
-    if foot is None:
-        return False
-    pose = progress.feet[foot]
-    beyond_W = tick.dcm - tick.balance.support(pose).clamp(tick.dcm)
-    ahead, left = rotation_z(pose.yaw)[:2, :2].T @ beyond_W
-    if outward(foot) * left <= abs(ahead):
-        return False
-    return recovery_step(progress, tick, goes_on=True).foot == foot
+    return foot is not None and recovery_step(progress, tick).foot == foot
 
 
 def needs_square_up(progress: WalkProgress, tick: WalkTick) -> bool:

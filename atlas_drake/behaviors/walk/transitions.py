@@ -111,7 +111,7 @@ def step_again(phase: Transfer, tick: WalkTick) -> tuple[Swing, Events]:
     The coming steps follow this step.
     """
     progress = phase.progress
-    step = recovery_step(progress, tick, phase.airborne(tick), goes_on=True)
+    step = recovery_step(progress, tick, phase.airborne(tick))
     return _recover(progress, replace(step, index=progress.last_index), tick)
 
 
@@ -209,7 +209,7 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
         sensitivity=phase.sensitivity,
         stance=phase.stance,
     )
-    moved, left = touchdown_for_balance(
+    moved, left, _ = touchdown_for_balance(
         step,
         state,
         motion.progress,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,9 +52,6 @@ class StepAdjustmentLimits(Configuration):
     slower takes the same share of it for the rest of its path."""
     foot_speed: Positive[MetersPerSecond] = 3.0
     """Largest mean horizontal speed of a foot in a hastened swing."""
-    out_of_reach: NotNegative[Meters] = 0.01
-    """A swing is hastened if at its planned end the landing place for balance is out of
-    reach by more than this."""
     haste_cost: NotNegative[MetersPerSecond] = 0.1
     """Distance out of reach that is accepted for each second that the swing is not
     hastened."""
@@ -122,6 +120,20 @@ def within_reach(step: Footstep, stance: FootPose, reach: float) -> Footstep:
     return replace(step, p_WF=stance.p_WF + ahead)
 
 
+class Touchdown(NamedTuple):
+    """A step that keeps the balance, and what it costs.
+
+    Attributes:
+        step: The step, moved.
+        remaining: Time to the touchdown [s].
+        cost: Distance out of reach, with what shift and haste are worth [m].
+    """
+
+    step: Footstep
+    remaining: float
+    cost: float
+
+
 def touchdown_for_balance(
     step: Footstep,
     state: SingleSupportState,
@@ -129,16 +141,14 @@ def touchdown_for_balance(
     foot: np.ndarray,
     adjustment: StepAdjustmentLimits,
     limits: StepLimits,
-) -> tuple[Footstep, float]:
-    """Chooses place and time of the touchdown; returns the step and the time to it [s].
+) -> Touchdown:
+    """Chooses place and time of a touchdown: the least cost of all times.
 
-    The place shifts first; the swing becomes faster if the place is out of reach.
     ``foot`` is the horizontal reference of the foot in the air in W [m], ``progress``
     its share of the swing.
     """
 
-    def landing_after(remaining: float) -> tuple[Footstep, float, float]:
-        """The step, how far its place is out of reach, and the shift [m]."""
+    def after(remaining: float) -> Touchdown:
         shift = step_shift(
             state.error(remaining),
             remaining,
@@ -147,27 +157,21 @@ def touchdown_for_balance(
             state.stance,
             adjustment,
         )
+        hasty = adjustment.haste_cost * (state.remaining - remaining)
         if not shift.any():
-            return step, 0.0, 0.0
+            return Touchdown(step, remaining, hasty)
         desired = step.p_WF + np.append(shift, 0.0)
         moved = saturate(replace(step, p_WF=desired), state.stance, limits)
         moved = within_reach(moved, state.stance, adjustment.reach)
         missing = float(np.hypot(*(desired - moved.p_WF)[:2]))
-        return moved, missing, float(np.hypot(*shift))
+        far = adjustment.shift_cost * float(np.hypot(*shift))
+        return Touchdown(moved, remaining, missing + far + hasty)
 
-    planned = state.remaining
-    landing, missing, _ = landing_after(planned)
-    if missing <= adjustment.out_of_reach:
-        return landing, planned
+    planned = after(state.remaining)
+    if planned.step is step:
+        return planned
     left = (1.0 - progress) * adjustment.shortest_swing
-    way = float(np.hypot(*(landing.p_WF[:2] - foot)))
-    earliest = min(max(left, way / adjustment.foot_speed), planned)
-
-    def cost(remaining: float) -> float:
-        _, missing, shift = landing_after(remaining)
-        return (
-            missing + adjustment.shift_cost * shift - adjustment.haste_cost * remaining
-        )
-
-    best = min(np.linspace(planned, earliest, _TIMES).tolist(), key=cost)
-    return landing_after(best)[0], best
+    way = float(np.hypot(*(planned.step.p_WF[:2] - foot)))
+    earliest = min(max(left, way / adjustment.foot_speed), state.remaining)
+    times = np.linspace(state.remaining, earliest, _TIMES).tolist()
+    return min(map(after, times), key=lambda found: found.cost)
