@@ -38,6 +38,9 @@ IMAGES = Path(__file__).parent / "images"
 FILM_SIZE = (640, 360)
 PUSH, PUSH_VIEW = 60.0, View([0.45, -3.9, 1.1], [0.45, 0.0, 0.9])
 """Push of ``push.mp4`` [N·s], and its camera."""
+TOUR_SEED = 3
+TOUR = {"fastest": 0.4, "driven": True, "punch": 12.0, "waypoints": 5}
+"""Seed and parameters of ``tour.mp4``."""
 CAMPAIGNS = Path(__file__).parents[1] / "benchmarks/campaigns"
 STAIRS = {
     "up": {"position": [0.21, 0.0, 0.0]},
@@ -110,7 +113,7 @@ def main() -> None:
 
 
 def make_films() -> None:
-    """Films the tutorial, with the owner of each joint, a push, and stairs."""
+    """Films the tutorial, with the owner of each joint, a push, a tour, and stairs."""
     push = PlannedPush(time=1.0, impulse=PUSH)
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/tutorial.mcap"
@@ -122,6 +125,12 @@ def make_films() -> None:
             sim.advance_to(8.0)
         show, view = ["com", "dcm", "cop", "support"], PUSH_VIEW
         film(read_log(log), IMAGES / "push.mp4", size=FILM_SIZE, show=show, view=view)
+        tour = run_file(CAMPAIGNS / "steering.py", "steering")["tour"]
+        log = f"{folder}/tour.mcap"
+        with AtlasSimulation(Scenario(seed=TOUR_SEED), log=log) as sim:
+            tour(sim, TOUR)
+        show = ["owner", "com", "dcm", "support"]
+        film(read_log(log), IMAGES / "tour.mp4", size=FILM_SIZE, show=show)
         climb = run_file(CAMPAIGNS / "stairs.py", "stairs")["climb"]
         for way, place in STAIRS.items():
             stairs = {**place, "rise": 0.20, "run": 0.30, "number": 6}

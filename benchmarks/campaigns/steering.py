@@ -28,8 +28,8 @@ POLL = 0.1
 """Time between two commands [s]."""
 STANDING = 3.0
 """Time before the first waypoint [s]."""
-WAYPOINTS, TIME_EACH = 18, 5.0
-"""Number of waypoints, and the time for each [s]."""
+TIME_EACH = 5.0
+"""Time for each waypoint [s]."""
 RADIUS, AHEAD = 1.0, 0.3
 """Of the disc of the waypoints, and its middle ahead of the start [m]."""
 ARM_TIME, ARM_CHANGE, ARM_RANGE = 0.5, 0.12, 0.8
@@ -102,7 +102,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
         sim: A robot that stands.
         parameters: ``fastest``, the largest speed asked for [m/s]; ``driven``, whether
             a user moves the arms; ``punch``, the greatest force of a punch over the
-            robot's mass [N/kg], 0 for none.
+            robot's mass [N/kg], 0 for none; ``waypoints``, their number.
 
     Returns:
         Whether it completed the tour, the ``survival`` since the first waypoint [s],
@@ -112,21 +112,22 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     random = np.random.default_rng(sim.scenario.seed)
     gait = sim.scenario.controller_config().gait()
     speed, driven = float(parameters["fastest"]), bool(parameters["driven"])
+    number = int(parameters["waypoints"])
     arms = Arms(sim, random)
-    angle = _turns(random, WAYPOINTS)
-    far = RADIUS * np.sqrt(random.random(WAYPOINTS))
+    angle = _turns(random, number)
+    far = RADIUS * np.sqrt(random.random(number))
     places = np.stack([AHEAD + far * np.cos(angle), far * np.sin(angle)], axis=1)
-    headings = random.uniform(-math.pi, math.pi, WAYPOINTS)
-    punches = _punches(sim, float(parameters["punch"]), random)
+    headings = random.uniform(-math.pi, math.pi, number)
+    punches = _punches(sim, number, float(parameters["punch"]), random)
     off: list[float] = []
     turned: list[float] = []
-    while sim.time < STANDING + WAYPOINTS * TIME_EACH and not sim.has_fallen:
+    while sim.time < STANDING + number * TIME_EACH and not sim.has_fallen:
         if driven:
             sim.publish(arms.command(sim.time))
         since = sim.time - STANDING + 1e-9
         if since >= 0.0:
-            number = min(int(since / TIME_EACH), WAYPOINTS - 1)
-            place, yaw = places[number], headings[number]
+            latest = min(int(since / TIME_EACH), number - 1)
+            place, yaw = places[latest], headings[latest]
             if since % TIME_EACH >= TIME_EACH - POLL:
                 x, y, turn = waypoint_error(sim.pelvis_pose, place.tolist(), yaw)
                 off.append(math.hypot(x, y))
@@ -177,7 +178,7 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
 
 
 def _punches(
-    sim: AtlasSimulation, greatest: float, random: np.random.Generator
+    sim: AtlasSimulation, number: int, greatest: float, random: np.random.Generator
 ) -> list[Punch]:
     """Draws punches on random links that grow harder, the first one last.
 
@@ -185,17 +186,16 @@ def _punches(
     """
     if greatest == 0.0:
         return []
-    links, number = sim.robot.moved_links, np.arange(WAYPOINTS)
-    upward, angle = random.uniform(-1.0, 1.0, WAYPOINTS), _turns(random, WAYPOINTS)
+    links, since = sim.robot.moved_links, TIME_EACH * np.arange(number)
+    upward, angle = random.uniform(-1.0, 1.0, number), _turns(random, number)
     aside = np.sqrt(1.0 - upward**2)
     direction = np.stack([aside * np.cos(angle), aside * np.sin(angle), upward], axis=1)
-    grown = np.minimum(TIME_EACH * number / PUNCH_GROWS, 1.0)
+    grown = np.minimum(since / PUNCH_GROWS, 1.0)
     ceiling = PUNCH_FIRST + (1.0 - PUNCH_FIRST) * grown
-    share = ceiling * random.uniform(PUNCH_LEAST, 1.0, WAYPOINTS)
+    share = ceiling * random.uniform(PUNCH_LEAST, 1.0, number)
     forces_W = greatest * sim.robot.mass * share[:, None] * direction
-    hit = [links[i][0] for i in random.integers(len(links), size=WAYPOINTS)]
-    times = TIME_EACH * number + PUNCH_AFTER
-    return list(map(Punch, times.tolist(), hit, forces_W))[::-1]
+    hit = [links[i][0] for i in random.integers(len(links), size=number)]
+    return list(map(Punch, (since + PUNCH_AFTER).tolist(), hit, forces_W))[::-1]
 
 
 def _turns(random: np.random.Generator, number: int) -> np.ndarray:

@@ -127,6 +127,16 @@ def test_an_error_out_of_reach_hastens_the_swing(error):
     assert late <= remaining
 
 
+def test_within_reach_haste_is_weighed_against_the_shift_that_it_saves():
+    (far, late), (near, soon) = (
+        touchdown([0.12, 0.0], adjustment=replace(LIMITS, shift_cost=cost), forward=0.9)
+        for cost in (0.0, 2.0)
+    )
+    assert late == REMAINING
+    assert soon < late
+    assert 0.25 <= near.p_WF[0] < far.p_WF[0]
+
+
 def test_a_swing_is_hastened_the_less_the_more_haste_costs():
     times = [
         touchdown([0.2, 0.0], adjustment=replace(LIMITS, haste_cost=cost))[1]
