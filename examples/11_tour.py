@@ -28,7 +28,7 @@ LINKS = ("pelvis", "utorso", "head", "l_uarm", "r_uarm", "l_hand", "r_hand")
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no page, driven arms")
-parser.add_argument("--waypoints", type=int, default=4, help="number of them")
+parser.add_argument("--waypoints", type=int, default=3, help="number of them")
 parser.add_argument("--punch", type=float, default=4.0, help="force per mass [N/kg]")
 parser.add_argument("--seed", type=int, default=1, help="of waypoints and punches")
 options = parser.parse_args()
