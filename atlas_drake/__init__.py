@@ -40,7 +40,7 @@ if TYPE_CHECKING:
         stop_walking,
         walk_at,
     )
-    from atlas_drake.planning.waypoints import velocity_to
+    from atlas_drake.planning.waypoints import walk_to
     from atlas_drake.records import TickRecord
     from atlas_drake.scenario import (
         Jitter,
@@ -82,8 +82,8 @@ _LAZY = {
     "steps_turning": "atlas_drake.planning.footstep_planner",
     "nearest_velocity": "atlas_drake.planning.walk_at",
     "stop_walking": "atlas_drake.planning.walk_at",
-    "velocity_to": "atlas_drake.planning.waypoints",
     "walk_at": "atlas_drake.planning.walk_at",
+    "walk_to": "atlas_drake.planning.waypoints",
 }
 
 __all__ = [  # noqa: PLE0604
@@ -120,8 +120,8 @@ __all__ = [  # noqa: PLE0604
     "steps_to",
     "steps_turning",
     "stop_walking",
-    "velocity_to",
     "walk_at",
+    "walk_to",
     *_messages,
 ]
 

@@ -12,13 +12,7 @@ import numpy as np
 from pydrake.geometry import Cylinder, Rgba
 from pydrake.math import RigidTransform
 
-from atlas_drake import (
-    AtlasCommand,
-    AtlasSimulation,
-    stop_walking,
-    velocity_to,
-    walk_at,
-)
+from atlas_drake import AtlasCommand, AtlasSimulation, walk_to
 from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cockpit.cockpit import open_cockpit
 
@@ -68,11 +62,7 @@ def visit(place, heading, stop):
         if sim.time >= due:
             due += POLL
             report = sim.atlas_sim_interface_state
-            velocity = velocity_to(sim.pelvis_pose, place, heading, gait)
-            if velocity is None:
-                steps = stop_walking(report, gait)
-            else:
-                steps = walk_at(report, *velocity, gait=gait)
+            steps = walk_to(report, sim.pelvis_pose, place, heading, gait)
             if steps is not None:
                 sim.publish(steps)
             if options.headless:

@@ -1,4 +1,4 @@
-"""Steering to a waypoint: the velocity that a place and a heading ask for."""
+"""Steering to a waypoint: the command that a place and a heading ask for."""
 
 from __future__ import annotations
 
@@ -7,8 +7,14 @@ from collections.abc import Sequence
 
 from pydrake.math import RigidTransform
 
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.walk_at import Velocity, nearest_velocity
+from atlas_drake.planning.walk_at import (
+    Velocity,
+    nearest_velocity,
+    stop_walking,
+    walk_at,
+)
 from atlas_drake.rotations import wrap_angle, yaw_of
 
 GAIN = 1.5
@@ -17,6 +23,39 @@ NEAR, NEAR_YAW = 0.10, 0.1
 """Errors from which the robot may stand [m], [rad]."""
 FASTEST, FASTEST_TURN = 0.4, 0.6
 """Usual limits of the velocity [m/s], [rad/s]."""
+
+
+def walk_to(
+    report: AtlasSimInterfaceState,
+    X_WP: RigidTransform,
+    place: Sequence[float],
+    heading: float,
+    gait: Gait,
+    fastest: float = FASTEST,
+) -> AtlasSimInterfaceCommand | None:
+    """Returns the command with which the robot walks to a waypoint, and stands there.
+
+    Call it about ten times a second and publish the result, if any.
+
+    Example:
+        >>> report = sim.atlas_sim_interface_state
+        >>> command = walk_to(report, sim.pelvis_pose, (1.0, 0.5), 0.0, gait)
+
+    Args:
+        report: Latest report of the behaviors.
+        X_WP: Pose of the pelvis in W.
+        place: x and y of the waypoint in W [m].
+        heading: Heading there in W [rad].
+        gait: Gait of the robot.
+        fastest: Largest speed asked for [m/s].
+
+    Returns:
+        The command; None if the robot already does what is asked for.
+    """
+    velocity = velocity_to(X_WP, place, heading, gait, fastest)
+    if velocity is None:
+        return stop_walking(report, gait)
+    return walk_at(report, *velocity, gait=gait)
 
 
 def waypoint_error(
@@ -47,10 +86,6 @@ def velocity_to(
     fastest: float = FASTEST,
 ) -> Velocity | None:
     """Computes the velocity of ``walk_at`` with which the robot nears a waypoint.
-
-    Example:
-        >>> velocity = velocity_to(sim.pelvis_pose, (1.0, 0.5), 0.0, gait)
-        >>> command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
 
     Args:
         X_WP: Pose of the pelvis in W.

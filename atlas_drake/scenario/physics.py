@@ -25,10 +25,10 @@ def nominal_period(physics_step: float) -> float:
     return round(max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step, 12)
 
 
-def is_multiple(control_period: float, physics_step: float) -> bool:
-    """Returns True if the period is a whole number of steps, up to rounding, or 0."""
-    steps = control_period / physics_step
-    return control_period == 0.0 or (
+def is_multiple(time: float, physics_step: float) -> bool:
+    """Returns True if the time is a whole number of steps, up to rounding, or 0."""
+    steps = time / physics_step
+    return time == 0.0 or (
         round(steps) >= 1 and (abs(steps - round(steps)) <= 1e-9 * steps)
     )
 

@@ -284,12 +284,10 @@ class Scenario(CheckedOnce):
         self.start.check_behavior(self.behavior())
         if round(self.control_period, 10) > LONGEST_PERIOD:
             refuse("control_period", f"at most {LONGEST_PERIOD} s, to keep balance")
-        if not is_multiple(self.control_period, self.physics_step):
-            step = f"physics_step ({self.physics_step} s)"
-            refuse("control_period", f"a whole multiple of {step}, or 0")
-        if not is_multiple(self.effort_delay, self.physics_step):
-            step = f"physics_step ({self.physics_step} s)"
-            refuse("effort_delay", f"a whole multiple of {step}, or 0")
+        for name in ("control_period", "effort_delay"):
+            if not is_multiple(getattr(self, name), self.physics_step):
+                step = f"physics_step ({self.physics_step} s)"
+                refuse(name, f"a whole multiple of {step}, or 0")
         check_plant_config(self.plant, self.physics_step)
         if not self.friction_jitter < self.ground_friction:
             refuse("friction_jitter", f"below ground_friction ({self.ground_friction})")

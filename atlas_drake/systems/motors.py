@@ -44,7 +44,8 @@ class Motors(NoisySystem):
         self._effort = self.DeclareVectorInputPort("behavior_effort", n)
         self._on_the_way = self.declare_value_state(())
         self.declare_vector_output("received_effort", n, self._received)
-        self.DeclarePeriodicUnrestrictedUpdateEvent(physics_step, 0.0, self._send)
+        if self._steps:
+            self.DeclarePeriodicUnrestrictedUpdateEvent(physics_step, 0.0, self._send)
 
     def reset(self, context: Context) -> None:
         """Forgets the efforts on their way."""
@@ -59,8 +60,6 @@ class Motors(NoisySystem):
         return effort + self._limit * noise.sample(context.get_time()).effort
 
     def _send(self, context: Context, state: State) -> None:
-        effort, sent = read_only(self._effort.Eval(context).copy()), ()
-        if self._steps:
-            on_the_way = self._on_the_way.get(context) or (effort,) * self._steps
-            sent = (*on_the_way[1:], effort)
-        self._on_the_way.set(state, sent)
+        effort = read_only(self._effort.Eval(context).copy())
+        on_the_way = self._on_the_way.get(context) or (effort,) * self._steps
+        self._on_the_way.set(state, (*on_the_way[1:], effort))

@@ -18,11 +18,11 @@ from atlas_drake import (
     AtlasCommand,
     AtlasSimulation,
     nearest_velocity,
-    stop_walking,
     walk_at,
+    walk_to,
 )
 from atlas_drake.planning.walk_at import fastest
-from atlas_drake.planning.waypoints import velocity_to, waypoint_error
+from atlas_drake.planning.waypoints import waypoint_error
 
 POLL = 0.1
 """Time between two commands [s]."""
@@ -132,7 +132,10 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
                 x, y, turn = waypoint_error(sim.pelvis_pose, place.tolist(), yaw)
                 off.append(math.hypot(x, y))
                 turned.append(abs(turn))
-            _steer(sim, place, yaw, speed, gait)
+            report, pelvis = sim.atlas_sim_interface_state, sim.pelvis_pose
+            command = walk_to(report, pelvis, place.tolist(), yaw, gait, speed)
+            if command is not None:
+                sim.publish(command)
             if punches and since >= punches[-1].since:
                 punch = punches.pop()
                 sim.apply_push(punch.link, punch.force_W, PUNCH_TIME)
@@ -201,16 +204,3 @@ def _punches(
 def _turns(random: np.random.Generator, number: int) -> np.ndarray:
     """Draws directions in the plane [rad]."""
     return random.uniform(0.0, 2.0 * math.pi, number)
-
-
-def _steer(
-    sim: AtlasSimulation, place: np.ndarray, yaw: float, speed: float, gait: Any
-) -> None:
-    report = sim.atlas_sim_interface_state
-    wanted = velocity_to(sim.pelvis_pose, place.tolist(), yaw, gait, speed)
-    if wanted is None:
-        command = stop_walking(report, gait)
-    else:
-        command = walk_at(report, *wanted, gait=gait)
-    if command is not None:
-        sim.publish(command)

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from atlas_drake import AtlasSimulation
+from atlas_drake.clients.logs.failure_modes import BEARING
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
 from atlas_drake.rotations import rotation_matrix
 from atlas_drake.units import GRAVITY
 
-RESTS = 0.2
-"""Load from which a sole rests on the ground [weights of the robot]."""
 FLAT = math.cos(0.05)
 """Cosine of the largest tilt of a sole that rests: one that rolls does not slip."""
 
@@ -40,7 +39,7 @@ class Touchdowns:
             self._peak = max(self._peak, load / self._weight)
             upright = rotation_matrix(feet.orientations[foot])[2, 2]
             xy, since = feet.positions[foot][:2], self._since[foot]
-            if load < RESTS * self._weight or upright < FLAT:
+            if load < BEARING * self._weight or upright < FLAT:
                 if since is not None:
                     self._slips.append(self._slip[foot])
                 self._since[foot], self._slip[foot] = None, 0.0

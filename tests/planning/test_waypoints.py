@@ -5,8 +5,13 @@ import math
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
-from atlas_drake import Gait, velocity_to
-from atlas_drake.planning.waypoints import waypoint_error
+from atlas_drake import AtlasSimulation, Behavior, Gait, walk_to
+from atlas_drake.planning.waypoints import (
+    NEAR,
+    NEAR_YAW,
+    velocity_to,
+    waypoint_error,
+)
 
 
 def pelvis(x, y, yaw):
@@ -32,3 +37,20 @@ def test_a_heading_alone_is_a_turn_and_none_is_asked_for_there():
     assert turned.forward == 0.0
     assert turned.turn == pytest.approx(-0.45)
     assert velocity_to(pelvis(0.0, 0.0, 0.05), (0.05, 0.0), 0.0, gait) is None
+
+
+@pytest.mark.slow
+def test_a_robot_is_led_to_a_place_and_stands_there():
+    sim, place, heading = AtlasSimulation(), (0.4, 0.3), 0.5
+    gait = sim.scenario.controller_config().gait()
+    while sim.time < 8.0:
+        report = sim.atlas_sim_interface_state
+        command = walk_to(report, sim.pelvis_pose, place, heading, gait)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(0.1)
+    assert sim.current_behavior is Behavior.STAND
+    ahead, left, turn = waypoint_error(sim.pelvis_pose, place, heading)
+    # The last steps, which close the feet, lead a little further.
+    assert math.hypot(ahead, left) < 1.5 * NEAR
+    assert abs(turn) < 1.5 * NEAR_YAW

@@ -1,9 +1,4 @@
-"""Steps that nobody commanded: they catch a lost DCM, and bring the feet together.
-
-The capture point of a pendulum on a fixed center of pressure is that of Pratt, Carff,
-Drakunov, Goswami, "Capture point: a step toward humanoid push recovery", Humanoids
-2006.
-"""
+"""Steps that nobody commanded: they catch a lost DCM, and bring the feet together."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class Touchdown(NamedTuple):
     Attributes:
         step: The step, moved.
         remaining: Time to the touchdown [s].
-        cost: Distance out of reach, with what shift and haste are worth [m].
+        cost: Distance out of reach, and what shift and haste cost [m].
     """
 
     step: Footstep
@@ -173,5 +173,5 @@ def touchdown_for_balance(
     left = (1.0 - progress) * adjustment.shortest_swing
     way = float(np.hypot(*(planned.step.p_WF[:2] - foot)))
     earliest = min(max(left, way / adjustment.foot_speed), state.remaining)
-    times = np.linspace(state.remaining, earliest, _TIMES).tolist()
-    return min(map(after, times), key=lambda found: found.cost)
+    sooner = np.linspace(state.remaining, earliest, _TIMES)[1:].tolist()
+    return min((planned, *map(after, sooner)), key=lambda found: found.cost)
