@@ -414,9 +414,15 @@ class Balance:
         felt = max(self._felt(observation, foot), 0.0)
         return model.unloaded_share + model.load_growth * felt
 
-    def standing(self, observation: Observation) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet to rest in contact."""
-        return self.in_contact(observation, 0), self.in_contact(observation, 1)
+    def standing(
+        self, observation: Observation, planted: tuple[FootPose, FootPose]
+    ) -> tuple[FootCommand, FootCommand]:
+        """Commands both feet to rest where they are ``planted``."""
+        left, right = (
+            self.in_contact(observation, foot, planted=planted[foot])
+            for foot in (LEFT, RIGHT)
+        )
+        return left, right
 
     def unloaded(self, observation: Observation, foot: int) -> FootCommand:
         """Commands a foot in the air to come to rest."""

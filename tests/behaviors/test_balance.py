@@ -82,7 +82,7 @@ def test_a_planted_sole_without_load_is_pressed_down_and_flat(balance, observe):
     planted = FootPose(sole.p_WF - [0.0, 0.0, 0.004], sole.R_WF @ rotation_x(-0.1))
     for share, pressed in ((0.5, False), (0.0, True)):
         seen = replace(seen, foot_force=np.full(2, share * balance.weight))
-        target = balance.in_contact(seen, 1, planted=planted).task.target
+        target = balance.standing(seen, (planted, planted))[1].task.target
         down = balance.gains.swing_position.kp * (balance.gains.contact.pressed + 0.004)
         turn = balance.gains.swing_orientation.kp * math.sin(-0.1)
         expected = (turn, -down) if pressed else (0.0, 0.0)

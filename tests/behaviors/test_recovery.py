@@ -8,15 +8,18 @@ import pytest
 from atlas_drake.behaviors.recovery import Recovery
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.recovery_steps import (
     needs_square_up,
     recovery_step,
     square_up_step,
 )
 from atlas_drake.behaviors.walk.steps import WalkProgress
+from atlas_drake.behaviors.walk.transitions import keep_balance, make_swing
+from atlas_drake.control.balance.dcm_plan import Pendulum
 from atlas_drake.control.feet.footstep import outward
 from atlas_drake.frozen import replace
-from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose
+from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 
 PUSHED = 0.8
 """Speed of the robot after a push from which only a step saves it [m/s]."""
@@ -117,6 +120,23 @@ def test_a_step_ahead_or_back_does_not_spread_the_feet(balance):
 def test_a_foot_in_the_air_steps_whatever_it_costs(balance):
     for foot in (LEFT, RIGHT):
         assert capture(balance, (0.1, 0.2), airborne=foot).foot == foot
+
+
+@pytest.mark.parametrize("known", [1, 2])
+def test_the_same_error_moves_a_step_only_once(balance, observe, known):
+    observation = observe(speed=0.3)
+    feet = observation.foot_poses
+    steps = tuple(
+        Footstep(3 + k, k, feet[k].p_WF, 0.0, 0.5, 0.1) for k in (LEFT, RIGHT)[:known]
+    )
+    progress = WalkProgress(feet, feet, steps, 3, None, CONFIG)
+    pendulum = Pendulum(OMEGA, (-0.006, -0.005))
+    tick = WalkTick(observation, False, balance, pendulum, CONFIG)
+    moved = make_swing(progress, tick)
+    shift = moved.step.p_WF - feet[LEFT].p_WF
+    assert np.hypot(*shift[:2]) > 0.08
+    again = keep_balance(moved, tick)
+    np.testing.assert_allclose(again.step.p_WF, moved.step.p_WF, atol=0.02)
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

@@ -442,3 +442,15 @@ def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
     assert apart(first) > 0.5
     width = CONFIG.in_place.width * StanceConfig().width
     assert apart(second) == pytest.approx(width, abs=0.02)
+
+
+def test_a_robot_that_a_push_tips_over_one_foot_keeps_its_height():
+    # The other foot leaves the ground; it is pressed back, and carries the next step.
+    run = play(seconds=0.5)
+    force = 0.9 * run.sim.robot.mass / 0.1 * np.array([-0.7, -0.7, 0.0])
+    run.sim.apply_push("trunk", force.tolist(), 0.1)
+    run.advance(0.5)
+    run.until(stands)
+    assert len(run.events("footstep")) > 1
+    height = min(record.balance.com[2] for record in run.records)
+    assert height > 0.8 * run.sim.robot.com_height

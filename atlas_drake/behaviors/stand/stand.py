@@ -133,7 +133,7 @@ class Stand(BehaviorProtocol):
             DcmReference(dcm=com, cop=com),
             observation.pendulum_frequency(float(state.middle[2])),
             state.support,
-            self._balance.standing(observation),
+            self._balance.standing(observation, state.feet),
         )
         return Outcome(state=state, body=body, command=command, finished=finished)
 

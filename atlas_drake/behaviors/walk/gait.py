@@ -92,13 +92,9 @@ def landing_sensitivity(
 
     Sideways it differs by the legs' momentum, less than a thousandth. The following
     steps are held fixed, so that the plan is linear in the landing place, and any
-    offset gives the same result. After the last step the plan moves the CoP slowly to
-    the middle of the feet; to save the balance it may be below the landed foot at once,
-    so that the DCM may be there as well.
+    offset gives the same result.
     """
     first, *rest = steps
-    if not rest:
-        return 1.0
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
     swing = begin_swing(feet[first.foot], swing_time)
 

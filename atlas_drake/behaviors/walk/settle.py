@@ -42,7 +42,7 @@ class Settle(WalkPhase):
         self, tick: WalkTick
     ) -> tuple[Settle, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted."""
-        return self, tick.balance.standing(tick.observation)
+        return self, tick.balance.standing(tick.observation, self.progress.feet)
 
     def _is_at_rest(self, tick: WalkTick) -> bool:
         if not self.elapsed > self.duration + tick.config.timing.rest:

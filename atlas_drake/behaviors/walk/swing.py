@@ -22,6 +22,7 @@ class Swing(WalkPhase):
     """One foot swings to its landing place, and the other foot carries the robot."""
 
     sent: Footstep  # The step being taken, as commanded
+    planned_step: Footstep  # The same, as the plan began with it
     motion: swing_foot.FootSwing  # Reference of the swing foot
     sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
     stops: bool  # True if the plan comes to rest: no step was known after this step
@@ -37,6 +38,21 @@ class Swing(WalkPhase):
     def stance(self) -> FootPose:
         """Pose of the foot on the ground."""
         return self.progress.feet[1 - self.step.foot]
+
+    @property
+    def landing_sensitivity(self) -> float:
+        """∂(DCM accepted at touchdown)/∂(landing place) [-].
+
+        After the last step the plan moves the CoP slowly to the middle of the feet; to
+        save the balance it may be below the landed foot at once, and the DCM with it.
+        """
+        return 1.0 if self.stops else self.sensitivity
+
+    @property
+    def beyond_plan(self) -> np.ndarray:
+        """DCM accepted at touchdown, from the planned one in W [m], shape (2,)."""
+        moved = self.step.p_WF - self.planned_step.p_WF
+        return (self.landing_sensitivity - self.sensitivity) * moved[:2]
 
     def decide(self, tick: WalkTick) -> Decision:
         """When has the foot landed?

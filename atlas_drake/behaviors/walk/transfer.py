@@ -127,7 +127,8 @@ class Transfer(WalkPhase):
 
     def _command(self, foot: int, tick: WalkTick) -> FootCommand:
         balance, observation = tick.balance, tick.observation
-        flat = at_rest(self.progress.feet[foot])
+        planted = self.progress.feet[foot]
+        flat = at_rest(planted)
         if foot == self.unloading:
             load = self._load(tick)
             if not self.toe_off:
@@ -141,7 +142,7 @@ class Transfer(WalkPhase):
             edge = math.copysign(tick.half_length, self.landed)
             lowered = flat.pitched(pitch, edge)
             return balance.rolling_flat(observation, foot, lowered, edge > 0)
-        return balance.in_contact(observation, foot)
+        return balance.in_contact(observation, foot, planted=planted)
 
     def _load(self, tick: WalkTick) -> float:
         """Computes the largest load of the leaving foot, in weights of the robot.

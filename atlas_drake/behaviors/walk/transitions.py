@@ -185,6 +185,7 @@ def make_swing(
         support=tick.balance.support(stance),
         duration=duration,
         sent=next(s for s in progress.pending if s.index == step.index),
+        planned_step=step,
         motion=motion,
         sensitivity=landing_sensitivity(
             cop, duration, feet, begun.coming, config, tick.pendulum
@@ -200,13 +201,14 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
     if remaining < rules.frozen_end:
         return phase
     step, motion, planned = phase.step, phase.motion, phase.planned
+    omega = tick.pendulum.omega
     state = SingleSupportState(
         dcm=tick.dcm,
-        planned_dcm=planned.dcm,
+        planned_dcm=planned.dcm + math.exp(-omega * remaining) * phase.beyond_plan,
         cop=planned.cop,
-        omega=tick.pendulum.omega,
+        omega=omega,
         remaining=remaining,
-        sensitivity=phase.sensitivity,
+        sensitivity=phase.landing_sensitivity,
         stance=phase.stance,
     )
     moved, left, _ = touchdown_for_balance(

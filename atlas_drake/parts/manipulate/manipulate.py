@@ -162,7 +162,7 @@ class Manipulate(BehaviorProtocol):
             state.dcm_reference(omega),
             omega,
             state.stance.support,
-            self._balance.standing(observation),
+            self._balance.standing(observation, state.stance.feet),
         )
         there = motion.pose(state.stance)
         remaining = max(abs(x - y) for x, y in zip(there, state.goal, strict=True))

@@ -18,7 +18,7 @@ from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import PlannedPaths
-from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.messages.footstep import LEFT, FootPose, Footstep
 from atlas_drake.parts.step.action import demo_step, desired_step
 from atlas_drake.parts.step.swing_path import SwingPath
 from atlas_drake.parts.step.tools import StepTick
@@ -158,7 +158,17 @@ class StepPhase(Phase, ABC):
         most = self.load_range(foot, tick, on_toes)[1]
         load = min(tick.rules.settling_load, most)
         command = tick.tools.balance.touchdown(tick.observation, foot, load)
-        return tick.with_stance(foot, command)
+        return self.with_stance(tick, foot, command)
+
+    def with_stance(
+        self, tick: StepTick, foot: int, command: FootCommand
+    ) -> tuple[FootCommand, FootCommand]:
+        """Commands ``foot``, and the other foot to stay planted."""
+        planted = self.feet[1 - foot]
+        other = tick.tools.balance.in_contact(
+            tick.observation, 1 - foot, planted=planted
+        )
+        return (command, other) if foot == LEFT else (other, command)
 
     # ---- what STEP reports ---------------------------------------------------
 

@@ -35,7 +35,7 @@ class Rest(StepPhase):
     def command_feet(self, tick: StepTick) -> tuple[FootCommand, FootCommand]:
         """Keeps both feet planted; a foot that just landed is pressed flat."""
         if self.touchdown_foot is None or not self.is_early(tick):
-            return tick.tools.balance.standing(tick.observation)
+            return tick.tools.balance.standing(tick.observation, self.feet)
         return self.touchdown(self.touchdown_foot, tick)
 
     def reach(self, tick: StepTick) -> Reach:

@@ -46,10 +46,12 @@ class Shift(Stepping):
         load = max(left / tick.rules.unload_share, 0.01)
         load = max(load, self.load_range(foot, tick, on_toes)[0])
         if not on_toes:
-            return tick.with_stance(foot, balance.in_contact(observation, foot, load))
+            return self.with_stance(
+                tick, foot, balance.in_contact(observation, foot, load)
+            )
         raised = at_rest(self.feet[foot]).pitched(heel, tick.half_length)
         command = balance.toeing_off(observation, foot, raised, load)
-        return tick.with_stance(foot, command)
+        return self.with_stance(tick, foot, command)
 
     def reach(self, tick: StepTick) -> Reach:
         """Returns the feet, the leaving one on its toes, and the next foothold.

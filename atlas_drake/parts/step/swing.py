@@ -40,7 +40,7 @@ class Swing(Stepping):
         """Keeps the stance foot planted and moves the other foot along its path."""
         foot, reference = self.step.foot, self.path.evaluate(self.elapsed)
         command = tick.tools.balance.swinging(tick.observation, foot, reference)
-        return tick.with_stance(foot, command)
+        return self.with_stance(tick, foot, command)
 
     def reach(self, tick: StepTick) -> Reach:
         """Returns the stance foot and the foothold, lower if no ground was found."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.control.balance import feedback
@@ -91,10 +90,3 @@ class StepTick:
     def height_over(self, stance: FootPose, step: Footstep) -> float:
         """Computes the requested height of the center of mass of a step, in W [m]."""
         return float(stance.p_WF[2]) + self.tools.planner.height(step.action)
-
-    def with_stance(
-        self, foot: int, command: FootCommand
-    ) -> tuple[FootCommand, FootCommand]:
-        """Commands ``foot``, and the other foot to stay planted."""
-        other = self.tools.balance.in_contact(self.observation, 1 - foot)
-        return (command, other) if foot == 0 else (other, command)
