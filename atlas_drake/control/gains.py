@@ -184,11 +184,11 @@ class ControlGains(Configuration):
     error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
     """Angular momentum."""
-    orientation: PdGains = PdGains(kp=100.0, kd=20.0)
+    orientation: PdGains = PdGains(kp=100.0, kd=30.0)
     """Pelvis and chest."""
     stance_foot_damping: NotNegative[PerSecond] = 10.0
     """Damping of a foot that carries load, per unit of inertia."""
-    swing_position: PdGains = PdGains(kp=200.0, kd=28.0)
+    swing_position: PdGains = PdGains(kp=300.0, kd=35.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative[Ratio] = 0.02
