@@ -27,6 +27,7 @@ from atlas_drake.clients.cli.options import (
     rate,
     size,
 )
+from atlas_drake.clients.cli.policy import add_policy_options
 from atlas_drake.clients.cli.sweep_options import add_sweep_commands
 from atlas_drake.clients.film import FILM_SIZE
 from atlas_drake.errors import AtlasError, printable
@@ -119,12 +120,13 @@ def _parser() -> _Parser:
         "run",
         help="simulate a scenario described in a YAML file",
         description="Simulate a scenario; examples are in examples/scenarios/. "
-        "Options given here win over the file.",
+        "Options given here win over the file; without one the robot stands.",
         epilog=_EXIT_STATUS,
     )
-    run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
+    run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path, nargs="?")
     add_run_options(run)
-    run.set_defaults(run="run.run_file", reads=("scenario", "parts"))
+    add_policy_options(run)
+    run.set_defaults(run="run.run_file", reads=("scenario", "parts", "policy"))
 
     script = commands.add_parser(
         "script",
@@ -264,10 +266,11 @@ def _parser() -> _Parser:
         help="end after this simulated time (default: no end)",
     )
     add_robot_options(teleop)
+    add_policy_options(teleop)
     watch = teleop.add_argument_group("how you watch it")
     add_address_options(watch)
     add_show_option(watch, "com,dcm,cop,support,swing,plan")
-    teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts"))
+    teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts", "policy"))
 
     add_import_command(commands)
     add_sweep_commands(commands, _LOST)

@@ -31,6 +31,7 @@ from atlas_drake.clients.cli.outputs import (
     quiet_logs,
     realtime_rate,
 )
+from atlas_drake.clients.cli.policy import with_policy
 from atlas_drake.clients.cli.progress import Progress
 from atlas_drake.clients.film.file import check_film
 from atlas_drake.clients.parts_file import load_parts
@@ -107,7 +108,7 @@ def run_scenario(
         check_film(options.video, options.video_size)
     quiet_logs()
 
-    parts = load_parts(options.parts)
+    parts = with_policy(load_parts(options.parts), options, scenario)
     progress = Progress(sys.stdout, scenario.duration if end is None else end)
     overlays = Overlays(options.show, recorded=options.record is not None)
     cockpit = cockpit_asked_for(options, overlays)

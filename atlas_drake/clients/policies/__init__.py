@@ -1,0 +1,1 @@
+"""Learned policies as users: networks that command joints through the command port."""

@@ -1,0 +1,214 @@
+"""A policy as a user: a system before the station's command port."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
+
+from atlas_drake.clients.policies.network import Memory
+from atlas_drake.clients.policies.observation import Seen
+from atlas_drake.clients.policies.reading import Policy
+from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
+from atlas_drake.messages import AtlasCommand
+from atlas_drake.robot import Robot
+from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.simulation.sockets import CollectableSystem
+
+SYSTEM = "policy"
+"""Name of the system in the diagram."""
+_USER = 255
+"""Share of control of a joint that is the user's alone."""
+_INPUTS = ("atlas_state", "imu", "commands")
+
+
+@dataclass(frozen=True)
+class PolicyState(Frozen):
+    """What a policy hands on from one action to the next."""
+
+    memory: Memory
+    action: np.ndarray  # The last one, shape (m,)
+    seen: tuple[np.ndarray, ...] = ()  # Of each term, the latest values, shape (h, k)
+    actions: int = 0  # Number of them since the policy took its joints
+    runs: bool = False  # True while the joints are the policy's
+    ended: str = ""  # Why it gave them up
+
+
+class PolicyUser(CollectableSystem):
+    """A policy that commands its joints with ``k_effort`` 255, at its own rate.
+
+    It leaves the other joints as they are: to the behavior, or to a person. It gives
+    its joints up, and says nothing more, once somebody else's command leaves it less
+    than all of one of them; or once its network answers with what is no number.
+
+    Input ports:
+        atlas_state: ``AtlasState``
+        imu: ``Imu``
+        commands: ``ActiveCommand``, the commands in force.
+
+    Output ports, which are state:
+        atlas_command: ``AtlasCommand``, frozen; NOTHING before the first action.
+
+    Attributes:
+        policy: The policy.
+        joints: Indices of its joints in message order.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        policy: Policy,
+        robot: Robot,
+        *,
+        velocity: Sequence[float] = (0.0, 0.0, 0.0),
+        start: float = 0.0,
+    ):
+        """Makes the system.
+
+        Args:
+            policy: The policy.
+            robot: The robot of the station.
+            velocity: Desired velocity at first: ahead, left [m/s], turn [rad/s].
+            start: Time at which the policy takes its joints [s].
+
+        Raises:
+            ScenarioError: If the robot lacks a joint of the policy.
+        """
+        super().__init__()
+        self.policy, self._robot, self._start = policy, robot, start
+        description = policy.description
+        self.joints = np.array([_index(robot, name) for name in description.joints])
+        self._position = np.array(description.position)
+        self._action_scale = np.array(description.action_scale)
+        self._inputs = [self.declare_value_input(name) for name in _INPUTS]
+        self._message = self.declare_value_state(NOTHING, "atlas_command")
+        self._velocity = self.DeclareDiscreteState(np.array(velocity, dtype=float))
+        self._state = self.declare_value_state(self._at_rest())
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            description.period, 0.0, self._update
+        )
+
+    # ---- for clients ---------------------------------------------------------
+
+    def steer(self, context: Context, velocity: Sequence[float]) -> None:
+        """Sets the desired velocity: ahead, left [m/s], turn [rad/s]."""
+        context.SetDiscreteState(self._velocity, np.array(velocity, dtype=float))
+
+    def take(self, context: Context) -> None:
+        """Lets the policy take its joints again, with an empty memory."""
+        self._state.set(context, replace(self._at_rest(), runs=True))
+
+    def runs(self, context: Context) -> bool:
+        """Returns True while the joints are the policy's."""
+        return bool(self._state.get(context).runs)
+
+    def ended(self, context: Context) -> str:
+        """Returns why the policy gave its joints up; empty if it did not."""
+        return str(self._state.get(context).ended)
+
+    # ---- one action ----------------------------------------------------------
+
+    def _at_rest(self) -> PolicyState:
+        count = len(self.joints)
+        start = PolicyState(self.policy.network.start(), np.zeros(count))
+        return read_only(start)
+
+    def _update(self, context: Context, state: State) -> None:
+        last: PolicyState = self._state.get(context)
+        if not (last.runs or last.ended) and context.get_time() >= self._start - 1e-9:
+            last = replace(last, runs=True)
+        if not last.runs:
+            return
+        measured, imu, commands = (port.Eval(context) for port in self._inputs)
+        if last.actions and (commands.k_effort[self.joints] < _USER).any():
+            self._give_up(state, last, "somebody else has taken its joints")
+            return
+        velocity = context.get_discrete_state(self._velocity).get_value().copy()
+        here = self._see(last, measured, imu, velocity)
+        observation = np.concatenate([values.ravel() for values in here])
+        action, memory = self.policy.network.act(observation, last.memory)
+        if not np.isfinite(action).all():
+            self._give_up(state, last, "its action is not a number")
+            return
+        after = replace(
+            last, memory=memory, action=action, seen=here, actions=last.actions + 1
+        )
+        self._state.set(state, read_only(after, last))
+        self._message.set(state, self._command(action, commands.joints))
+
+    def _give_up(self, state: State, last: PolicyState, why: str) -> None:
+        self._state.set(state, replace(last, runs=False, ended=why))
+
+    def _see(
+        self, last: PolicyState, measured: Any, imu: Any, velocity: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
+        """Returns the latest values of each term, scaled, oldest first."""
+        description = self.policy.description
+        seen = Seen(
+            imu=imu,
+            position=np.asarray(measured.position)[self.joints] - self._position,
+            velocity=np.asarray(measured.velocity)[self.joints],
+            action=last.action,
+            desired_velocity=velocity,
+            time=last.actions * description.period,
+            gait_period=description.gait_period,
+        )
+        here = []
+        for index, (term, compute) in enumerate(
+            zip(description.observation, self.policy.terms, strict=True)
+        ):
+            value = np.asarray(term.scale) * compute(seen)
+            before = last.seen[index][1:] if last.seen else [value] * (term.history - 1)
+            here.append(np.array([*before, value]))
+        return tuple(here)
+
+    def _command(self, action: np.ndarray, joints: Any) -> AtlasCommand:
+        """Makes the message of an action; other joints keep what is in force."""
+        description, mine = self.policy.description, self.joints
+        zero = np.zeros(len(mine))
+        values = {
+            "position": self._position + self._action_scale * action,
+            "velocity": zero,
+            "effort": zero,
+            "kp_position": description.kp,
+            "ki_position": zero,
+            "kd_position": zero,
+            "kp_velocity": description.kd,
+            "k_effort": np.full(len(mine), _USER),
+        }
+        arrays = {}
+        for name, given in values.items():
+            array = getattr(joints, name).copy()
+            array[mine] = given
+            arrays[name] = array
+        arrays["k_effort"] = arrays["k_effort"].astype(int)
+        return AtlasCommand(**arrays).freeze()
+
+
+def _index(robot: Robot, name: str) -> int:
+    names = robot.joint_names
+    if name not in names:
+        hint = did_you_mean(name, names) or f" It has {', '.join(names)}."
+        problem = f"robot '{robot.name}' has no joint '{name}'.{hint}"
+        raise ScenarioError("joints", name, problem)
+    return names.index(name)
+
+
+def add_policy(builder: DiagramBuilder, station: Diagram, user: PolicyUser) -> None:
+    """Connects a policy to a station: ``extend=partial(add_policy, user=user)``."""
+    builder.AddNamedSystem(SYSTEM, user)
+    for name in _INPUTS:
+        builder.Connect(station.GetOutputPort(name), user.GetInputPort(name))
+    command = station.GetInputPort("atlas_command")
+    builder.Connect(user.GetOutputPort("atlas_command"), command)
+
+
+def policy_of(sim: AtlasSimulation) -> tuple[PolicyUser, Context]:
+    """Returns the policy of a simulation that has one, and its context."""
+    user: Any = sim.diagram.GetSubsystemByName(SYSTEM)
+    return user, user.GetMyMutableContextFromRoot(sim.context)

@@ -1,0 +1,104 @@
+"""Takes joints back from a user that has died: a system beside the command port."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
+
+from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
+from atlas_drake.robot import Robot
+from atlas_drake.simulation.sockets import CollectableSystem
+
+SYSTEM = "watchdog"
+"""Name of the system in the diagram."""
+LATE = 2.0
+"""Age of a command at which it is late, in periods of its sender."""
+_USER = 255
+
+
+@dataclass(frozen=True)
+class Watch(Frozen):
+    """What the watchdog has seen."""
+
+    message: Any = NOTHING  # The latest one of the user
+    since: float = 0.0  # When it came [s]
+    barked: str = ""  # Why the joints were taken back, of the latest time
+
+
+class Watchdog(CollectableSystem):
+    """Requests STAND with ``k_effort`` 0 when the user of a command port has died.
+
+    That is when no new command came for ``LATE`` periods, or one asks for a position
+    beyond a joint's stops. It is silent while the joints of the last command are in
+    other hands.
+
+    Input ports:
+        atlas_command: ``AtlasCommand`` of the user, NOTHING before the first.
+        commands: ``ActiveCommand``, the commands in force.
+
+    Output ports, which are state:
+        atlas_sim_interface_command: The request, frozen; NOTHING before the first.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, robot: Robot, user_period: float, period: float):
+        """Expects a command every ``user_period`` [s]; looks every ``period`` [s]."""
+        super().__init__()
+        self._robot, self._user_period = robot, user_period
+        self._user = self.declare_value_input("atlas_command")
+        self._commands = self.declare_value_input("commands")
+        name = "atlas_sim_interface_command"
+        self._request = self.declare_value_state(NOTHING, name)
+        self._watch = self.declare_value_state(Watch())
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
+
+    def barked(self, context: Context) -> str:
+        """Returns why it took the joints back, the latest time; empty if never."""
+        return str(self._watch.get(context).barked)
+
+    def _update(self, context: Context, state: State) -> None:
+        watch, time = self._watch.get(context), context.get_time()
+        message = self._user.Eval(context)
+        if message is NOTHING:
+            return
+        if message is not watch.message:
+            watch = replace(watch, message=message, since=time)
+            self._watch.set(state, watch)
+        mine = np.asarray(message.k_effort) == _USER
+        if (self._commands.Eval(context).k_effort[mine] < _USER).any():
+            return
+        why = self._fault(message, mine, time - watch.since)
+        if why:
+            self._watch.set(state, replace(watch, barked=why))
+            none = [0] * self._robot.num_joints
+            request = AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=none)
+            self._request.set(state, request.freeze())
+
+    def _fault(self, message: Any, mine: np.ndarray, age: float) -> str:
+        """Returns what is wrong with the user's latest command, of an ``age`` [s]."""
+        if age > LATE * self._user_period + 1e-9:
+            return f"its last command is {1e3 * age:.0f} ms old"
+        robot, position = self._robot, np.asarray(message.position)
+        beyond = (position < robot.position_lower) | (position > robot.position_upper)
+        for joint in np.flatnonzero(mine & beyond):
+            name, asked = robot.joint_names[joint], position[joint]
+            return f"it sends {name} to {asked:.2f} rad, beyond its stop"
+        return ""
+
+
+def add_watchdog(
+    builder: DiagramBuilder, station: Diagram, dog: Watchdog, user: Any
+) -> None:
+    """Connects a watchdog to a station and to the system that commands its joints."""
+    builder.AddNamedSystem(SYSTEM, dog)
+    builder.Connect(
+        user.GetOutputPort("atlas_command"), dog.GetInputPort("atlas_command")
+    )
+    builder.Connect(station.GetOutputPort("commands"), dog.GetInputPort("commands"))
+    name = "atlas_sim_interface_command"
+    builder.Connect(dog.GetOutputPort(name), station.GetInputPort(name))
