@@ -7,6 +7,7 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorTools, Transition, entry_of
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.recovery import Recovery
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
@@ -15,23 +16,28 @@ from atlas_drake.control.whole_body.model import mean_sole_height
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 
-def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
-    """Checks that CoM, DCM and joint speeds are within the limits of STAND's entry."""
+def can_be_brought_to_rest(asked: Transition) -> BehaviorStatus:
+    """Checks that CoM, DCM and joint speeds are within the limits of STAND's entry.
+
+    Where a step may be taken, the DCM may be outside the soles, and a leg may swing.
+    """
     if asked.source.balanced:
         return BehaviorStatus.OK
-    observation, limits = asked.observation, asked.tools.entry_limits
-    terms = observation.terms
-    support = asked.tools.balance.support(*observation.foot_poses)
+    observation, tools = asked.observation, asked.tools
+    limits, terms = tools.entry_limits, observation.terms
+    steps = Recovery(tools.balance, tools.stand_config).may_step(observation)
+    support = tools.balance.support(*observation.foot_poses)
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     omega = observation.pendulum_frequency(mean_sole_height(terms))
     dcm = feedback.dcm(terms, omega)
-    if support.distance_outside(dcm) > -limits.dcm_inside:
+    outside = limits.dcm_outside if steps else -limits.dcm_inside
+    if support.distance_outside(dcm) > outside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
-    if (
-        float(np.abs(terms.v[~observation.user_held]).max(initial=0.0))
-        > limits.joint_speed
-    ):
+    caught = ~observation.user_held
+    if steps:
+        caught &= ~tools.robot.limb("l_leg", "r_leg")
+    if float(np.abs(terms.v[caught]).max(initial=0.0)) > limits.joint_speed:
         return BehaviorStatus.FAILED_TRANS_VEL
     return BehaviorStatus.OK
 
@@ -64,7 +70,7 @@ STAND = entry_of(
     Behavior.STAND,
     make=_stand,
     config=StandConfig(),
-    conditions=(at_rest_over_the_feet,),
+    conditions=(can_be_brought_to_rest,),
     follows=(),
     leads_to=("STAND_PREP",),
     ends_in_order=False,

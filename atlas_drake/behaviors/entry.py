@@ -34,9 +34,14 @@ class EntryLimits(Configuration):
     com_inside: NotNegative[Meters] = 0.01
     """Least distance of the CoM from the edge of the support polygon, inside it."""
     dcm_inside: NotNegative[Meters] = 0.03
-    """Least distance of the DCM from the edge of the support polygon, inside it."""
+    """Least distance of the DCM from the edge of the support polygon, inside it, where
+    no step may be taken."""
+    dcm_outside: NotNegative[Meters] = 0.15
+    """Largest distance of the DCM from the support polygon, outside it, from which
+    steps bring the robot to rest."""
     joint_speed: NotNegative[RadiansPerSecond] = 4.0
-    """Largest speed of any joint that STAND takes over."""
+    """Largest speed of any joint that STAND takes over; of a leg only where it may not
+    step."""
 
 
 @dataclass(frozen=True)

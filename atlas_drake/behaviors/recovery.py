@@ -25,17 +25,10 @@ class Recovery:
         self._half_width = sole.width / 2 - contact.width_margin
 
     def is_needed(self, observation: Observation) -> bool:
-        """Returns True if no CoP under the feet keeps the DCM bounded.
-
-        Both legs have to be free for a step, not under the user's control, and one of
-        them has to carry the robot.
-        """
+        """Returns True if no CoP under the feet keeps the DCM bounded."""
+        if not self.may_step(observation):
+            return False
         config = self._config
-        if not config.recovery_steps or observation.k[self._legs].any():
-            return False
-        load = float(observation.foot_force.sum()) / self._balance.weight
-        if not load > config.recovery_load:  # NaN at the first tick.
-            return False
         terms = observation.terms
         omega = observation.pendulum_frequency(mean_sole_height(terms))
         dcm = feedback.dcm(terms, omega)
@@ -47,6 +40,18 @@ class Recovery:
         else:
             support = self._balance.support(*observation.foot_poses)
         return support.distance_outside(dcm) > config.recovery_margin
+
+    def may_step(self, observation: Observation) -> bool:
+        """Returns True if a step may be taken for balance.
+
+        Both legs have to be free for it, not under the user's control, and one of them
+        has to carry the robot.
+        """
+        config = self._config
+        if not config.recovery_steps or observation.k[self._legs].any():
+            return False
+        load = float(observation.foot_force.sum()) / self._balance.weight
+        return load > config.recovery_load  # NaN at the first tick.
 
     def _is_between_the_feet(self, dcm: np.ndarray, observation: Observation) -> bool:
         """Returns True if the DCM is near the line from sole to sole.

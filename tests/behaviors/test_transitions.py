@@ -12,6 +12,7 @@ from atlas_drake.behaviors.entry import (
     legal_transitions,
     refusal,
 )
+from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -166,7 +167,7 @@ def test_an_illegal_change_is_refused(make, observe, source, target):
     [
         ({"pitch": 0.5}, BehaviorStatus.FAILED_TRANS_COM_POS),
         ({"pitch": -0.5}, BehaviorStatus.FAILED_TRANS_COM_POS),
-        ({"speed": 0.8}, BehaviorStatus.FAILED_TRANS_COM_VEL),
+        ({"speed": 1.2}, BehaviorStatus.FAILED_TRANS_COM_VEL),
         ({"joints": {WRIST: 8.0}}, BehaviorStatus.FAILED_TRANS_VEL),
         ({"joints": {WRIST: -8.0}}, BehaviorStatus.FAILED_TRANS_VEL),
     ],
@@ -190,7 +191,8 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
 
 @pytest.mark.parametrize("name", ["com_inside", "dcm_inside"])
 def test_stand_takes_over_within_its_margins(make_tools, observe, name):
-    tools, seen = make_tools(0.9), observe()
+    still = StandConfig(recovery_steps=False)
+    tools, seen = dataclasses.replace(make_tools(0.9), stand_config=still), observe()
     support = tools.balance.support(*seen.foot_poses)
     inside = -support.distance_outside(seen.terms.com[:2])  # At rest, also the DCM.
     entries = {entry.behavior: entry for entry in BEHAVIORS}
@@ -207,6 +209,21 @@ def test_stand_takes_over_within_its_margins(make_tools, observe, name):
         now = dataclasses.replace(tools, entry_limits=limits)
         asked = Transition(entries[FREEZE], seen, now, AtlasSimInterfaceCommand())
         assert refusal(entries[STAND], asked) == (flag, "")
+
+
+@pytest.mark.parametrize("source", [USER, FREEZE])
+def test_stand_takes_over_a_robot_that_a_step_catches(make, observe, source):
+    knee = "l_leg_kny"
+    for seen, status in (
+        ({"speed": 0.6, "joints": {knee: 8.0}}, BehaviorStatus.OK),
+        # With a leg in the user's hands there is no step.
+        ({"speed": 0.6, "users": {knee: 1.0}}, BehaviorStatus.FAILED_TRANS_COM_VEL),
+    ):
+        robot = make(source)
+        robot.ask(STAND)
+        robot.tick(observe(**seen))
+        flags = robot.status.behavior_feedback.status_flags
+        assert flags & BehaviorStatus.FAILED_TRANS_COM_VEL == status
 
 
 def test_stand_ignores_the_speed_of_joints_under_user_control(make, observe):
