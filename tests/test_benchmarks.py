@@ -238,3 +238,14 @@ def test_a_displaced_start_is_judged():
         assert record["error"] is None
         assert record["figures"]["survived"] is survived
         assert record["figures"]["let_in"] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("restored_loggers")
+def test_a_robot_that_is_handed_back_in_mid_stride_stands():
+    path = FOLDER / "campaigns" / "handed_back.yaml"
+    campaign = load_campaign(path, ["parameters.push=0.3"])
+    record = TrialRunner(campaign)(make_trial(campaign, 1))
+    assert record["error"] is None
+    assert record["success"], record["missed"]
+    assert record["figures"]["quiet"] < 5.0

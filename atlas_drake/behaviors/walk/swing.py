@@ -40,7 +40,7 @@ class Swing(WalkPhase):
         return self.progress.feet[1 - self.step.foot]
 
     @property
-    def landing_sensitivity(self) -> float:
+    def accepted_sensitivity(self) -> float:
         """∂(DCM accepted at touchdown)/∂(landing place) [-].
 
         After the last step the plan moves the CoP slowly to the middle of the feet; to
@@ -52,7 +52,7 @@ class Swing(WalkPhase):
     def beyond_plan(self) -> np.ndarray:
         """DCM accepted at touchdown, from the planned one in W [m], shape (2,)."""
         moved = self.step.p_WF - self.planned_step.p_WF
-        return (self.landing_sensitivity - self.sensitivity) * moved[:2]
+        return (self.accepted_sensitivity - self.sensitivity) * moved[:2]
 
     def decide(self, tick: WalkTick) -> Decision:
         """When has the foot landed?

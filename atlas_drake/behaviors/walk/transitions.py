@@ -208,7 +208,7 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
         cop=planned.cop,
         omega=omega,
         remaining=remaining,
-        sensitivity=phase.landing_sensitivity,
+        sensitivity=phase.accepted_sensitivity,
         stance=phase.stance,
     )
     moved, left, _ = touchdown_for_balance(
