@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atlas_drake.errors import AtlasError, ScenarioError
-from atlas_drake.scenario import Scenario
+
+if TYPE_CHECKING:
+    from atlas_drake.scenario import Scenario
 
 START = 0.3
 """Time at which the policy takes its joints [s]: the robot stands by then."""

@@ -56,7 +56,7 @@ def test_help_names_commands_and_options(arguments, words, capsys):
         ([], "COMMAND"),
         (["dance"], "'dance'"),
         (["plot", "a.mcap", "--xyz"], "--xyz"),
-        (["run"], "SCENARIO.yaml"),
+        (["run", "a.yaml", "b.yaml"], "b.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
         (["demo", "--duration", "long"], "--duration"),
         (["demo", "--port", "80"], "1024..65535"),
