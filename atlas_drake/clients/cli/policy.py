@@ -74,8 +74,7 @@ def with_policy(
     def extend(builder: Any, station: Any) -> None:
         add_policy(builder, station, user)
         if options.watchdog:
-            period = policy.description.period
-            dog = Watchdog(robot, period, scenario.control_period)
+            dog = Watchdog(robot, policy.description.period)
             add_watchdog(builder, station, dog, user)
 
     return {**parts, "extend": [*additions(parts.get("extend", ())), extend]}

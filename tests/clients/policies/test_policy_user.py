@@ -39,7 +39,7 @@ def simulate(tmp_path):
         user = PolicyUser(read_policy(file), ROBOT, start=start)
         extend = [partial(add_policy, user=user)]
         if watchdog:
-            dog = Watchdog(ROBOT, PERIOD, 0.009)
+            dog = Watchdog(ROBOT, PERIOD)
             extend.append(partial(add_watchdog, dog=dog, user=user))
         return AtlasSimulation(extend=extend)
 
