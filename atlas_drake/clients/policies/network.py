@@ -31,13 +31,16 @@ class Network:
 
         Raises:
             AtlasError: If onnxruntime is not installed.
-            ScenarioError: If the file is no network, or one of another form.
+            ScenarioError: If there is no file, no network in it, or one of another
+                form.
         """
         try:
             import onnxruntime
         except ImportError:
             text = 'policies need `pip install "atlas-drake[policies]"`'
             raise AtlasError(text) from None
+        if not file.is_file():
+            raise ScenarioError("network", str(file), f"there is no file {file}")
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1
         options.log_severity_level = 3

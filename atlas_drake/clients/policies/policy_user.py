@@ -12,17 +12,16 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
 from atlas_drake.clients.policies.network import Memory
 from atlas_drake.clients.policies.observation import Seen
 from atlas_drake.clients.policies.reading import Policy
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import AtlasCommand
+from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.sockets import CollectableSystem
 
 SYSTEM = "policy"
 """Name of the system in the diagram."""
-_USER = 255
-"""Share of control of a joint that is the user's alone."""
 _INPUTS = ("atlas_state", "imu", "commands")
 
 
@@ -80,9 +79,12 @@ class PolicyUser(CollectableSystem):
             ScenarioError: If the robot lacks a joint of the policy.
         """
         super().__init__()
-        self.policy, self._robot, self._start = policy, robot, start
+        self.policy, self._start = policy, start
         description = policy.description
-        self.joints = np.array([_index(robot, name) for name in description.joints])
+        try:
+            self.joints = np.array([*map(robot.joint_index, description.joints)])
+        except RobotDescriptionError as error:
+            raise ScenarioError("joints", error.value, error.problem) from None
         self._position = np.array(description.position)
         self._action_scale = np.array(description.action_scale)
         self._inputs = [self.declare_value_input(name) for name in _INPUTS]
@@ -125,7 +127,7 @@ class PolicyUser(CollectableSystem):
         if not last.runs:
             return
         measured, imu, commands = (port.Eval(context) for port in self._inputs)
-        if last.actions and (commands.k_effort[self.joints] < _USER).any():
+        if last.actions and (commands.k_effort[self.joints] < K_EFFORT_MAX).any():
             self._give_up(state, last, "somebody else has taken its joints")
             return
         velocity = context.get_discrete_state(self._velocity).get_value().copy()
@@ -179,7 +181,7 @@ class PolicyUser(CollectableSystem):
             "ki_position": zero,
             "kd_position": zero,
             "kp_velocity": description.kd,
-            "k_effort": np.full(len(mine), _USER),
+            "k_effort": np.full(len(mine), K_EFFORT_MAX),
         }
         arrays = {}
         for name, given in values.items():
@@ -188,15 +190,6 @@ class PolicyUser(CollectableSystem):
             arrays[name] = array
         arrays["k_effort"] = arrays["k_effort"].astype(int)
         return AtlasCommand(**arrays).freeze()
-
-
-def _index(robot: Robot, name: str) -> int:
-    names = robot.joint_names
-    if name not in names:
-        hint = did_you_mean(name, names) or f" It has {', '.join(names)}."
-        problem = f"robot '{robot.name}' has no joint '{name}'.{hint}"
-        raise ScenarioError("joints", name, problem)
-    return names.index(name)
 
 
 def add_policy(builder: DiagramBuilder, station: Diagram, user: PolicyUser) -> None:

@@ -50,7 +50,7 @@ def read_policy(
     path = Path(path)
     try:
         if path.suffix.lower() == ".onnx":
-            network = Network(path) if path.is_file() else _missing(path)
+            network = Network(path)
             fields = _from_metadata(network.metadata, path.name)
         else:
             fields = read_yaml(read_file(path))
@@ -61,16 +61,11 @@ def read_policy(
             fields = {**fields, "joints": joints}
         description = checked(PolicyDescription, fields)
         if network is None:
-            file = path.parent / description.network
-            network = Network(file) if file.is_file() else _missing(file)
+            network = Network(path.parent / description.network)
         known = {**TERMS, **(terms or {})}
         return Policy(network, description, _terms(description, network, known))
     except ScenarioError as error:
         raise error if str(path) in str(error) else error.within(path) from None
-
-
-def _missing(file: Path) -> Network:
-    raise ScenarioError("network", str(file), f"there is no file {file}")
 
 
 # ---- sizes -------------------------------------------------------------------

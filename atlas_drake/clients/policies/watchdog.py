@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
 
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
+from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
 from atlas_drake.simulation.sockets import CollectableSystem
 
@@ -17,7 +18,6 @@ SYSTEM = "watchdog"
 """Name of the system in the diagram."""
 LATE = 2.0
 """Age of a command at which it is late, in periods of its sender."""
-_USER = 255
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ class Watchdog(CollectableSystem):
         if message is not watch.message:
             watch = replace(watch, message=message, since=time)
             self._watch.set(state, watch)
-        mine = np.asarray(message.k_effort) == _USER
-        if (self._commands.Eval(context).k_effort[mine] < _USER).any():
+        mine = np.asarray(message.k_effort) == K_EFFORT_MAX
+        if (self._commands.Eval(context).k_effort[mine] < K_EFFORT_MAX).any():
             return
         why = self._fault(message, mine, time - watch.since)
         if why:
@@ -85,10 +85,11 @@ class Watchdog(CollectableSystem):
             return f"its last command is {1e3 * age:.0f} ms old"
         robot, position = self._robot, np.asarray(message.position)
         beyond = (position < robot.position_lower) | (position > robot.position_upper)
-        for joint in np.flatnonzero(mine & beyond):
-            name, asked = robot.joint_names[joint], position[joint]
-            return f"it sends {name} to {asked:.2f} rad, beyond its stop"
-        return ""
+        wrong = np.flatnonzero(mine & beyond)
+        if not wrong.size:
+            return ""
+        name, asked = robot.joint_names[wrong[0]], position[wrong[0]]
+        return f"it sends {name} to {asked:.2f} rad, beyond its stop"
 
 
 def add_watchdog(
