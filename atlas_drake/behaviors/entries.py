@@ -7,7 +7,6 @@ import numpy as np
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorTools, Transition, entry_of
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.recovery import Recovery
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
@@ -25,7 +24,7 @@ def can_be_brought_to_rest(asked: Transition) -> BehaviorStatus:
         return BehaviorStatus.OK
     observation, tools = asked.observation, asked.tools
     limits, terms = tools.entry_limits, observation.terms
-    steps = Recovery(tools.balance, tools.stand_config).may_step(observation)
+    steps = tools.recovery.may_step(observation)
     support = tools.balance.support(*observation.foot_poses)
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS

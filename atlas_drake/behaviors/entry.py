@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.recovery import Recovery
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand, StandConfig
 from atlas_drake.config import Configuration, NotNegative
@@ -72,6 +74,11 @@ class BehaviorTools:
     def robot(self) -> Robot:
         """Description of the robot."""
         return self.model.robot
+
+    @cached_property
+    def recovery(self) -> Recovery:
+        """Determines when the standing robot may step, and when it has to."""
+        return Recovery(self.balance, self.stand_config)
 
     def stand(self, pose: Pose | None = None) -> StanceGuard:
         """Returns STAND, whose target of trunk and posture ``pose`` changes.

@@ -23,7 +23,7 @@ from atlas_drake.behaviors.entry import (
 )
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
+from atlas_drake.behaviors.recovery import walk_without_steps
 from atlas_drake.behaviors.supervisor_state import (
     LastTransition,
     Running,
@@ -75,7 +75,6 @@ class Supervisor:
             config.gait(),
             config.stand,
         )
-        self._recovery = Recovery(balance, config.stand)
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._entries = {entry.behavior: entry for entry in entries}
@@ -321,7 +320,7 @@ class Supervisor:
             self._entries[active.behavior].recovers
             and isinstance(active, Running)
             and not state.falling
-            and self._recovery.is_needed(observation)
+            and self._tools.recovery.is_needed(observation)
         )
 
     def _warn_of_user_legs(
