@@ -34,6 +34,7 @@ from atlas_drake.diagrams.controller_socket import (
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.messages.commands import COMMAND_PORTS
 from atlas_drake.parts.estimation.estimation_error import EstimationError
 from atlas_drake.parts.estimation.state_estimator import StateEstimator
 from atlas_drake.parts.gantry.gantry import Gantry
@@ -146,6 +147,8 @@ def make_atlas_station(
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
             message counts as a new one.
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``; optional.
+        scheduled_atlas_command, scheduled_atlas_sim_interface_command: The same, of a
+            scheduler; optional.
         applied_spatial_force: Further forces, as Drake's plant takes them; optional.
 
     Output ports:
@@ -263,7 +266,7 @@ def make_atlas_station(
         signals["applied_spatial_force"], plant.get_applied_spatial_force_input_port()
     )
 
-    for name in ("atlas_command", "atlas_sim_interface_command"):
+    for name in COMMAND_PORTS:
         builder.ExportInput(commands.GetInputPort(name), name)
     builder.ExportInput(
         pushes.GetInputPort("other_spatial_force"), "applied_spatial_force"

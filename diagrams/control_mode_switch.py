@@ -13,6 +13,8 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import make_atlas_station, ready
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import AtlasError, shown
+from atlas_drake.messages.atlas_command import COMMANDS
+from atlas_drake.messages.commands import SCHEDULED
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.shipped import registered
@@ -21,8 +23,6 @@ from atlas_drake.worlds.world import WorldMaker
 
 Extend = Callable[[DiagramBuilder, Diagram], None]
 """Adds systems to a diagram that holds a station, before it is built."""
-COMMAND_PORTS = ("atlas_command", "atlas_sim_interface_command")
-"""Input ports of the station that take messages."""
 
 
 def make_control_mode_switch(
@@ -47,12 +47,12 @@ def make_control_mode_switch(
             no scheduler.
         extend: One callable (builder, station) -> None, or a list that is called in
             its order: each adds systems with names of their own, connects them to the
-            station, exports ports. It may connect the station's command ports, where no
-            scheduler does.
+            station, exports ports. It may connect the station's command ports; a
+            scheduler has others.
 
     Input ports, all optional:
         atlas_command, atlas_sim_interface_command: Command ports of the station, unless
-            a scheduler or ``extend`` has connected them.
+            ``extend`` has connected them.
         applied_spatial_force: Forces beside the station's pushes.
 
     Output ports: those of the station; with a scheduler, its ``sent``.
@@ -84,7 +84,7 @@ def make_control_mode_switch(
     try:
         for add in additions(extend):
             add(builder, station)
-        for name in COMMAND_PORTS:
+        for name in COMMANDS:
             port = station.GetInputPort(name)
             if not builder.IsConnectedOrExported(port):
                 builder.ExportInput(port, name)
@@ -93,8 +93,7 @@ def make_control_mode_switch(
         # Drake's bindings make a SystemExit of a condition that Drake demands.
         raise AtlasError(
             f"extend adds what Drake cannot build: {error}. Systems and exported ports "
-            "need names of their own; an input port takes one connection, and a "
-            "schedule is connected to the station's command ports"
+            "need names of their own, and an input port takes one connection"
         ) from error
     diagram.set_name("control_mode_switch")
     return diagram
@@ -119,8 +118,9 @@ def _add_scheduler(
 ) -> None:
     """Adds what sends the schedule, every ``period`` [s] at most one message."""
     scheduler = builder.AddNamedSystem("scheduler", CommandScheduler(schedule, period))
-    for name in COMMAND_PORTS:
-        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
+    for name in COMMANDS:
+        port = station.GetInputPort(f"{SCHEDULED}{name}")
+        builder.Connect(scheduler.GetOutputPort(name), port)
     for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
         builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
     builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")

@@ -101,9 +101,17 @@ class AtlasSimulation(simulation.AtlasSimulation):
             from atlas_drake.clients.view.meshcat_view import add_meshcat_view
             from atlas_drake.clients.view.scene import show_start
 
-            robot = load_robot(scenario.model)
-            shown = {"robot": robot, "meshcat": self.meshcat, "overlays": overlays}
+            shown = {
+                "robot": load_robot(scenario.model),
+                "meshcat": self.meshcat,
+                "overlays": overlays,
+            }
             own.append(partial(add_meshcat_view, **shown))
+        policy = scenario.validate().policy
+        if policy is not None:
+            from atlas_drake.clients.policies.joining import policy_extension
+
+            own.append(policy_extension(policy, load_robot(scenario.model)))
         if log is not None:
             from atlas_drake.clients.logs.recording import LogRecording
 
@@ -151,8 +159,19 @@ class AtlasSimulation(simulation.AtlasSimulation):
 
     def _look(self) -> None:
         super()._look()
+        if self.scenario.policy is not None:
+            self._tell_of_policy()
         fault = None if self._recording is None else self._recording.fault
         if fault is not self._fault:
             self._fault = fault
             text = f"{fault}; the run continues without it"
             self._tell(self._log.note(RunEvent(self.time, "warning", text)))
+
+    def _tell_of_policy(self) -> None:
+        """Notes what became of the policy, once."""
+        from atlas_drake.clients.policies.joining import policy_events
+
+        told = {(event.time, event.kind) for event in self.events}
+        for event in policy_events(self):
+            if (round(event.time, 6), event.kind) not in told:
+                self._tell(self._log.note(event))

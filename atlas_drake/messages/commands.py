@@ -40,8 +40,16 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 KEPT = 50
 """Number of requests and events to keep; none younger than READ_WITHIN is dropped."""
-_KINDS = tuple(COMMANDS.values())
-"""Kinds of message on the two command ports, the joint command first."""
+SCHEDULED = "scheduled_"
+"""What the names of a scheduler's ports begin with."""
+COMMAND_PORTS = {
+    f"{sender}{name}": kind
+    for sender in (SCHEDULED, "")
+    for name, kind in COMMANDS.items()
+}
+"""Kind of message on each command port. A scheduler has ports of its own, so that a
+schedule leaves those of the interface to others."""
+_KINDS = tuple(COMMAND_PORTS.values())
 SAME_FAULT = 1.0
 """Time within which a refusal for the same field is not logged again [s]."""
 
@@ -53,7 +61,7 @@ class BehaviorRequest(Frozen):
     Attributes:
         behavior: The requested behavior.
         command: Snapshot of the message.
-        number: Number of the message among all received on both ports; increases from
+        number: Number of the message among all received on all ports; increases from
             request to request, and is 0 for the initial request without a message.
         time: Time of acceptance [s].
     """
@@ -79,7 +87,8 @@ class ActiveCommand(Frozen):
     events: tuple[Event, ...] = ()  # One for each of the latest messages.
     received: int = 0  # Number of all messages, and so of their events.
     refused: int = 0
-    on_ports: tuple[Any, Any] = (NOTHING, NOTHING)  # Last message or refusal on each.
+    on_ports: tuple[Any, ...] = (NOTHING,) * len(COMMAND_PORTS)
+    """Last message or refusal on each."""
     atlas_stamp: float | None = None  # Of the last accepted joint command [s].
     sim_stamp: float | None = None  # Of the last accepted behavior command [s].
 
@@ -126,9 +135,9 @@ def commands_at_start(
 def merge_ports(
     previous: ActiveCommand, messages: Sequence[Any], robot: Robot, now: float
 ) -> ActiveCommand:
-    """Applies those messages on the two command ports that are new.
+    """Applies those messages on the command ports that are new, in the ports' order.
 
-    The joint command is applied first. A port without a message has NOTHING.
+    A port without a message has NOTHING.
     """
     for place, message in enumerate(messages):
         found = _new_on_port(previous, place, message, robot)

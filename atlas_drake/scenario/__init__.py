@@ -4,6 +4,7 @@ The simulation is in ``simulation``.
 """
 
 from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.scenario.policy_use import PolicyUse
 from atlas_drake.scenario.reading import (
     load_scenario,
     scenario_from,
@@ -19,6 +20,7 @@ __all__ = [
     "Jitter",
     "Model",
     "PlannedPush",
+    "PolicyUse",
     "Scenario",
     "Start",
     "load_scenario",

@@ -51,6 +51,7 @@ from atlas_drake.scenario.physics import (
     plant_config,
     stations_plant_config,
 )
+from atlas_drake.scenario.policy_use import PolicyUse
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.shipped import BEHAVIORS, CATALOG
 from atlas_drake.systems.pushes import PlannedPush
@@ -152,6 +153,9 @@ class Scenario(CheckedOnce):
     """Commands that are sent automatically."""
     messages: list[TimedMessage] = field(default_factory=list)
     """Commands that are sent automatically beside the schedule, each at its time."""
+    policy: PolicyUse | None = None
+    """A learned policy that commands joints beside them; null for none. It is joined by
+    ``atlas_drake.AtlasSimulation`` and the commands, see ``clients.policies``."""
     duration: Positive[Seconds] = 10.0
     """Length of the run on the command line."""
     initial_behavior: str = "STAND"
@@ -244,10 +248,12 @@ class Scenario(CheckedOnce):
             behaviors: Entries of the user's own behaviors.
         """
         valid = self.validate()
+        policy = valid.policy
         period = valid.control_period or nominal_period(valid.physics_step)
         return replace(
             valid,
             model=model_beside(valid.model, Path.cwd()),
+            policy=policy and replace(policy, file=str(Path(policy.file).absolute())),
             control_period=period,
             plant=stations_plant_config(valid.plant, valid.physics_step),
             controller=valid.controller_config(behaviors),

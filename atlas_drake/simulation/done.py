@@ -33,7 +33,7 @@ def scenario_of_what_was_done(sim: AtlasSimulation) -> Scenario:
     """Returns the scenario of a run in which the same is done until now.
 
     It begins with the tick of the last reset, or one tick before, if something was sent
-    at that tick. Messages and pushes of a schedule are among
+    at that tick. Messages and pushes of a schedule, and messages of a policy, are among
     those that were done.
 
     Raises:
@@ -52,6 +52,7 @@ def scenario_of_what_was_done(sim: AtlasSimulation) -> Scenario:
     return replace(
         beginning.scenario,
         schedule="none",
+        policy=None,
         duration=max(_since(begin, sim.time), period),
         messages=[
             replace(message, time=round((tick + wait) * period, 9))

@@ -1,4 +1,4 @@
-"""Latches and merges the two command ports into the commands in force.
+"""Latches and merges the command ports into the commands in force.
 
 The rules of merging are in ``messages.commands``; this is their system in the diagram.
 """
@@ -11,6 +11,7 @@ from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Accepted, Behavior, Refusal
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
+    COMMAND_PORTS,
     ActiveCommand,
     apply,
     commands_at_start,
@@ -24,10 +25,11 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 class CommandInterface(CollectableSystem):
     """Command ports in, commands in force out.
 
-    Input ports (both optional; they hold the sender's latest message, or NOTHING
+    Input ports (all optional; they hold the sender's latest message, or NOTHING
     before the first message):
-        atlas_command: ``AtlasCommand``
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
+        atlas_command, scheduled_atlas_command: ``AtlasCommand``
+        atlas_sim_interface_command, scheduled_atlas_sim_interface_command:
+            ``AtlasSimInterfaceCommand``
 
     A message counts once while its content stays the same; to repeat a message, a
     sender changes the header's stamp. A sender may change its message and send it
@@ -54,10 +56,7 @@ class CommandInterface(CollectableSystem):
         super().__init__()
         self._robot, self._catalog = robot, catalog
         start = commands_at_start(robot, initial_behavior, catalog)
-        self._inputs = [
-            self.declare_value_input("atlas_command"),
-            self.declare_value_input("atlas_sim_interface_command"),
-        ]
+        self._inputs = [self.declare_value_input(name) for name in COMMAND_PORTS]
         self._state = self.declare_value_state(start)
         self._commands = self.declare_cached(
             "commands in force",
@@ -111,7 +110,7 @@ class CommandInterface(CollectableSystem):
         log_refusals(self._state.get(context), after)
 
     def _messages(self, context: Context) -> list[Any]:
-        """Returns the messages on the two ports; NOTHING for a port without one."""
+        """Returns the messages on the ports; NOTHING for a port without one."""
         return [
             port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._inputs

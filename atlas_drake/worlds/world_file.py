@@ -110,6 +110,8 @@ def with_full_paths(raw: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Makes the paths in the fields of a scenario or a world absolute from a folder."""
     seen = dict(raw)
     model, world, models = map(raw.get, ("model", "world", "models"))
+    if "policy" in raw:
+        seen["policy"] = _with_full_path(raw["policy"], folder)
     if isinstance(model, str):
         seen["model"] = model_beside(model, folder)
     if isinstance(world, str):
@@ -123,11 +125,11 @@ def with_full_paths(raw: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return seen
 
 
-def _with_full_path(model: Any, folder: Path) -> Any:
-    file = model.get("file") if isinstance(model, Mapping) else None
+def _with_full_path(named: Any, folder: Path) -> Any:
+    file = named.get("file") if isinstance(named, Mapping) else None
     if not isinstance(file, str) or not file or "://" in file:
-        return model
-    return {**model, "file": str((folder / file).absolute())}
+        return named
+    return {**named, "file": str((folder / file).absolute())}
 
 
 def load_world(name: str | Path = DEFAULT_WORLD) -> World:

@@ -53,9 +53,12 @@ def test_what_is_no_extension_is_named(wrong):
         AtlasSimulation(extend=wrong)
 
 
-def test_the_schedule_has_the_ports_to_itself():
-    with pytest.raises(AtlasError, match="connected to the station's command ports"):
-        AtlasSimulation(Scenario(schedule="tutorial"), extend=manipulate)
+def test_a_schedule_leaves_the_command_ports_to_others():
+    arms = {"time": 0.1, "atlas_command": {"k_effort": 255}}
+    sim = AtlasSimulation(Scenario(messages=[arms]), extend=manipulate)
+    sim.advance(0.2)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    assert all(sim.atlas_state.k_effort)
 
 
 @pytest.mark.parametrize("names", [["scheduler"], ["mine", "mine"], []])

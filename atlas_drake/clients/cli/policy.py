@@ -1,18 +1,10 @@
-"""``--policy``: a learned policy commands joints of the run."""
+"""``--policy`` and what belongs to it: fields of the scenario's ``policy``."""
 
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from atlas_drake.errors import AtlasError, ScenarioError
-
-if TYPE_CHECKING:
-    from atlas_drake.scenario import Scenario
-
-START = 0.3
-"""Time at which the policy takes its joints [s]: the robot stands by then."""
 
 
 def add_policy_options(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +15,8 @@ def add_policy_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="a learned policy takes its joints after 0.3 s: an ONNX file with the "
-        "metadata of its exporter, or a description in YAML (docs/policies.md)",
+        "metadata of its exporter, or a description in YAML (docs/policies.md); the "
+        "scenario's policy.file, as --set has it",
     )
     policy.add_argument(
         "--policy-joints",
@@ -34,7 +27,6 @@ def add_policy_options(parser: argparse.ArgumentParser) -> None:
     policy.add_argument(
         "--velocity",
         type=_velocity,
-        default=(0.0, 0.0, 0.0),
         metavar="X,Y,TURN",
         help="velocity that it is asked for: ahead, left [m/s], turn [rad/s] "
         "(default: 0,0,0)",
@@ -42,53 +34,38 @@ def add_policy_options(parser: argparse.ArgumentParser) -> None:
     policy.add_argument(
         "--watchdog",
         action="store_true",
+        default=None,
         help="STAND takes the joints back when the policy's commands are late, no "
         "numbers, or beyond a joint's stop",
     )
 
 
-def with_policy(
-    parts: dict[str, Any], options: argparse.Namespace, scenario: Scenario
-) -> dict[str, Any]:
-    """Returns the parts of a simulation with those of --policy, if it is given."""
+def policy_settings(options: argparse.Namespace) -> list[str]:
+    """Returns these options as ``--set`` has them."""
     given = vars(options)  # Not every command has the options.
-    if given.get("policy") is None:
-        for name in ("policy_joints", "watchdog"):
-            if given.get(name):
-                raise AtlasError(f"--{name.replace('_', '-')} needs --policy")
-        return parts
-    if scenario.schedule != "none" or scenario.messages:
-        problem = "the scenario has commands of its own: a policy takes their port"
-        raise ScenarioError("--policy", str(options.policy), problem)
-    # Drake's plants and onnxruntime load only for a policy.
-    from atlas_drake.clients.policies.policy_user import PolicyUser, add_policy
-    from atlas_drake.clients.policies.reading import read_policy
-    from atlas_drake.clients.policies.watchdog import Watchdog, add_watchdog
-    from atlas_drake.robot import load_robot
-    from atlas_drake.simulation.sockets import additions
-
-    robot = load_robot(scenario.model)
-    policy = read_policy(options.policy, options.policy_joints)
-    user = PolicyUser(policy, robot, velocity=options.velocity, start=START)
-
-    def extend(builder: Any, station: Any) -> None:
-        add_policy(builder, station, user)
-        if options.watchdog:
-            dog = Watchdog(robot, policy.description.period)
-            add_watchdog(builder, station, dog, user)
-
-    return {**parts, "extend": [*additions(parts.get("extend", ())), extend]}
+    file = given.get("policy")
+    fields = {
+        "file": None if file is None else str(file.absolute()),
+        "joints": given.get("policy_joints"),
+        "velocity": given.get("velocity"),
+        "watchdog": given.get("watchdog"),
+    }
+    return [
+        f"policy.{name}={json.dumps(value)}"
+        for name, value in fields.items()
+        if value is not None
+    ]
 
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",") if name.strip()]
 
 
-def _velocity(text: str) -> tuple[float, ...]:
+def _velocity(text: str) -> list[float]:
     try:
-        values = tuple(float(part) for part in text.split(","))
+        values = [float(part) for part in text.split(",")]
     except ValueError:
-        values = ()
-    if len(values) != 3 or not all(abs(value) < 10.0 for value in values):
+        values = []
+    if len(values) != 3:
         raise argparse.ArgumentTypeError(f"{text!r} is not X,Y,TURN, such as 0.5,0,0")
     return values

@@ -31,7 +31,7 @@ from atlas_drake.clients.cli.outputs import (
     quiet_logs,
     realtime_rate,
 )
-from atlas_drake.clients.cli.policy import with_policy
+from atlas_drake.clients.cli.policy import policy_settings
 from atlas_drake.clients.cli.progress import Progress
 from atlas_drake.clients.film.file import check_film
 from atlas_drake.clients.parts_file import load_parts
@@ -108,7 +108,7 @@ def run_scenario(
         check_film(options.video, options.video_size)
     quiet_logs()
 
-    parts = with_policy(load_parts(options.parts), options, scenario)
+    parts = load_parts(options.parts)
     progress = Progress(sys.stdout, scenario.duration if end is None else end)
     overlays = Overlays(options.show, recorded=options.record is not None)
     cockpit = cockpit_asked_for(options, overlays)
@@ -187,7 +187,8 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
     names = ("model", "world", "seed", "physics_step", "duration")
     given = {name: getattr(options, name) for name in names}
     changes = {name: value for name, value in given.items() if value is not None}
-    return with_settings(replace(scenario, **changes), options.set)
+    settings = [*policy_settings(options), *options.set]
+    return with_settings(replace(scenario, **changes), settings)
 
 
 INTERRUPTED = "interrupted"

@@ -31,6 +31,7 @@ from atlas_drake.clients.cli.outputs import (
     keep_log,
     open_view,
 )
+from atlas_drake.clients.cli.policy import policy_settings
 from atlas_drake.clients.cli.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.clients.film import FILM_SIZE
 from atlas_drake.clients.film.file import check_film
@@ -124,7 +125,7 @@ def _campaign(options: argparse.Namespace) -> Campaign:
     overrides = {name: getattr(options, name) for name in names}
     campaign = load_campaign(
         options.campaign,
-        options.set,
+        [*policy_settings(options), *options.set],
         {name: value for name, value in overrides.items() if value is not None},
     )
     changed = {"seed": options.seed, "trials": options.trials}

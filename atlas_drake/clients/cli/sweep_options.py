@@ -13,6 +13,7 @@ from atlas_drake.clients.cli.options import (
     add_robot_options,
     add_show_option,
 )
+from atlas_drake.clients.cli.policy import add_policy_options
 
 
 def add_sweep_commands(commands: Any, lost: str) -> None:
@@ -31,6 +32,7 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
     )
     parser.add_argument("campaign", metavar="CAMPAIGN.yaml", type=Path)
     add_robot_options(parser)
+    add_policy_options(parser)
     where = parser.add_argument_group("how many, and where")
     where.add_argument(
         "--trials",
@@ -68,7 +70,7 @@ def add_sweep_commands(commands: Any, lost: str) -> None:
     one.add_argument("--video", type=Path, metavar="FILE", help="as `run --video`")
     add_address_options(one)
     add_show_option(one, "none")
-    parser.set_defaults(run="sweep.sweep", reads=("campaign", "parts"))
+    parser.set_defaults(run="sweep.sweep", reads=("campaign", "parts", "policy"))
 
     parser = commands.add_parser(
         "results",

@@ -15,7 +15,6 @@ from atlas_drake.clients import session
 from atlas_drake.clients.cli import exit_status
 from atlas_drake.clients.cli.interrupts import ctrl_c
 from atlas_drake.clients.cli.outputs import quiet_logs, shown_of_log
-from atlas_drake.clients.cli.policy import with_policy
 from atlas_drake.clients.cli.progress import Progress
 from atlas_drake.clients.cli.run import (
     INTERRUPTED,
@@ -52,7 +51,7 @@ def run_teleop(options: argparse.Namespace) -> int:
     cockpit.next_run.why_not = ""
 
     def build(scenario: Scenario, cockpit: Cockpit | None) -> AtlasSimulation:
-        arguments = with_policy(load_parts(options.parts), options, scenario)
+        arguments = load_parts(options.parts)
         if cockpit is not None:
             arguments |= {"view": cockpit.meshcat, "overlays": cockpit.overlays}
         sim = session.AtlasSimulation(scenario, listeners=[progress], **arguments)

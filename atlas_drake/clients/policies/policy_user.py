@@ -15,6 +15,7 @@ from atlas_drake.clients.policies.reading import Policy
 from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import AtlasCommand
+from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
@@ -22,6 +23,8 @@ from atlas_drake.simulation.sockets import CollectableSystem
 
 SYSTEM = "policy"
 """Name of the system in the diagram."""
+POLICY = "policy"
+"""Kind of the event for a policy that gives its joints up."""
 _INPUTS = ("atlas_state", "imu", "commands")
 
 
@@ -34,7 +37,7 @@ class PolicyState(Frozen):
     seen: tuple[np.ndarray, ...] = ()  # Of each term, the latest values, shape (h, k)
     actions: int = 0  # Number of them since the policy took its joints
     runs: bool = False  # True while the joints are the policy's
-    ended: str = ""  # Why it gave them up
+    ended: Event | None = None  # Why it gave them up
 
 
 class PolicyUser(CollectableSystem):
@@ -109,9 +112,10 @@ class PolicyUser(CollectableSystem):
         """Returns True while the joints are the policy's."""
         return bool(self._state.get(context).runs)
 
-    def ended(self, context: Context) -> str:
-        """Returns why the policy gave its joints up; empty if it did not."""
-        return str(self._state.get(context).ended)
+    def ended(self, context: Context) -> Event | None:
+        """Returns the event of the policy giving its joints up; None if it did not."""
+        ended: Event | None = self._state.get(context).ended
+        return ended
 
     # ---- one action ----------------------------------------------------------
 
@@ -128,14 +132,14 @@ class PolicyUser(CollectableSystem):
             return
         measured, imu, commands = (port.Eval(context) for port in self._inputs)
         if last.actions and (commands.k_effort[self.joints] < K_EFFORT_MAX).any():
-            self._give_up(state, last, "somebody else has taken its joints")
+            self._give_up(context, state, "somebody else has taken its joints")
             return
         velocity = context.get_discrete_state(self._velocity).get_value().copy()
         here = self._see(last, measured, imu, velocity)
         observation = np.concatenate([values.ravel() for values in here])
         action, memory = self.policy.network.act(observation, last.memory)
         if not np.isfinite(action).all():
-            self._give_up(state, last, "its action is not a number")
+            self._give_up(context, state, "its action is not a number")
             return
         after = replace(
             last, memory=memory, action=action, seen=here, actions=last.actions + 1
@@ -143,8 +147,10 @@ class PolicyUser(CollectableSystem):
         self._state.set(state, read_only(after, last))
         self._message.set(state, self._command(action, commands.joints))
 
-    def _give_up(self, state: State, last: PolicyState, why: str) -> None:
-        self._state.set(state, replace(last, runs=False, ended=why))
+    def _give_up(self, context: Context, state: State, why: str) -> None:
+        last, text = self._state.get(context), f"the policy gives its joints up: {why}"
+        ended = RunEvent(context.get_time(), POLICY, text)
+        self._state.set(state, replace(last, runs=False, ended=ended))
 
     def _see(
         self, last: PolicyState, measured: Any, imu: Any, velocity: np.ndarray

@@ -10,12 +10,15 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
 
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
+from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
 from atlas_drake.simulation.sockets import CollectableSystem
 
 SYSTEM = "watchdog"
 """Name of the system in the diagram."""
+WATCHDOG = "watchdog"
+"""Kind of the event for joints that are taken back."""
 LATE = 2.0
 """Age of a command at which it is late, in periods of its sender."""
 
@@ -26,7 +29,7 @@ class Watch(Frozen):
 
     message: Any = NOTHING  # The latest one of the user
     since: float = 0.0  # When it came [s]
-    barked: str = ""  # Why the joints were taken back, of the latest time
+    barked: Event | None = None  # Why joints were taken back, the latest time
 
 
 class Watchdog(CollectableSystem):
@@ -57,9 +60,10 @@ class Watchdog(CollectableSystem):
         self._watch = self.declare_value_state(Watch())
         self.DeclarePeriodicUnrestrictedUpdateEvent(0.5 * period, 0.0, self._update)
 
-    def barked(self, context: Context) -> str:
-        """Returns why it took the joints back, the latest time; empty if never."""
-        return str(self._watch.get(context).barked)
+    def barked(self, context: Context) -> Event | None:
+        """Returns the latest event of joints being taken back; None if none were."""
+        barked: Event | None = self._watch.get(context).barked
+        return barked
 
     def _update(self, context: Context, state: State) -> None:
         watch, time = self._watch.get(context), context.get_time()
@@ -69,12 +73,16 @@ class Watchdog(CollectableSystem):
         if message is not watch.message:
             watch = replace(watch, message=message, since=time)
             self._watch.set(state, watch)
+        if watch.barked is not None and watch.barked.time >= watch.since:
+            return
         mine = np.asarray(message.k_effort) == K_EFFORT_MAX
         if (self._commands.Eval(context).k_effort[mine] < K_EFFORT_MAX).any():
             return
         why = self._fault(message, mine, time - watch.since)
         if why:
-            self._watch.set(state, replace(watch, barked=why))
+            text = f"the watchdog asks for STAND with all joints: {why}"
+            barked = RunEvent(time, WATCHDOG, text)
+            self._watch.set(state, replace(watch, barked=barked))
             none = [0] * self._robot.num_joints
             request = AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=none)
             self._request.set(state, request.freeze())

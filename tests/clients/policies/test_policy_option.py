@@ -26,11 +26,10 @@ def test_a_policy_commands_a_run(network, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--watchdog"], "--watchdog needs --policy"),
+        (["--watchdog"], "policy.file: is missing"),
         (["--policy", "FILE", "--velocity", "fast"], "'fast' is not X,Y,TURN"),
         (["--policy", "nowhere.onnx"], "nowhere.onnx"),
         (["--policy", "FILE", "--policy-joints", "a,b"], "has no joint 'a'"),
-        (["--policy", "FILE", "--set", "schedule=tutorial"], "commands of its own"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(network, arguments, words, capsys):
@@ -43,3 +42,20 @@ def test_what_cannot_be_is_said_in_one_line(network, arguments, words, capsys):
     told = capsys.readouterr().err
     assert words in told
     assert told.count("\n") == 1
+
+
+def test_a_file_names_a_policy_beside_it(network, tmp_path, capsys):
+    scenario = tmp_path / "run.yaml"
+    scenario.write_text("{policy: {file: arm.onnx, watchdog: true}, duration: 0.5}")
+    assert main(["run", str(scenario), "--headless"]) == 0
+    assert main(["run", str(scenario), "--headless", "--velocity", "9,9,99"]) == 2
+    assert "policy.velocity[2]" in capsys.readouterr().err
+
+
+def test_a_campaign_may_have_a_policy(network, tmp_path, capsys):
+    campaign = tmp_path / "held.yaml"
+    campaign.write_text("{duration: 0.4, trials: 2, success: [upright], metrics: []}")
+    out = tmp_path / "out"
+    options = ["--policy", str(network), "--jobs", "1", "--out", str(out)]
+    assert main(["sweep", str(campaign), *options]) == 0
+    assert "arm.onnx" in (out / "campaign.yaml").read_text()

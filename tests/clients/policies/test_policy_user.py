@@ -1,7 +1,5 @@
 """A policy commands its joints beside a behavior and a person."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -10,18 +8,15 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
+    PolicyUse,
+    Scenario,
 )
 from atlas_drake.clients.policies.observation import TERMS
-from atlas_drake.clients.policies.policy_user import (
-    PolicyUser,
-    add_policy,
-    policy_of,
-)
-from atlas_drake.clients.policies.reading import read_policy
-from atlas_drake.clients.policies.watchdog import Watchdog, add_watchdog
+from atlas_drake.clients.policies.policy_user import policy_of
 from atlas_drake.messages import Imu
 from atlas_drake.messages.geometry import Quaternion
 from atlas_drake.robot import load_robot
+from atlas_drake.simulation.done import scenario_of_what_was_done
 from tests.policy_networks import ARM, METADATA, save
 
 PERIOD = 0.02
@@ -36,14 +31,15 @@ def simulate(tmp_path):
     def make(bias, watchdog=False, start=0.1, **network):
         metadata = {**METADATA, **network.pop("metadata", {})}
         file = save(tmp_path / "p.onnx", bias, metadata=metadata, **network)
-        user = PolicyUser(read_policy(file), ROBOT, start=start)
-        extend = [partial(add_policy, user=user)]
-        if watchdog:
-            dog = Watchdog(ROBOT, PERIOD)
-            extend.append(partial(add_watchdog, dog=dog, user=user))
-        return AtlasSimulation(extend=extend)
+        use = PolicyUse(file=str(file), start=start, watchdog=watchdog)
+        return AtlasSimulation(Scenario(policy=use))
 
     return make
+
+
+def told_of(sim, kind):
+    """The events of a kind."""
+    return [event for event in sim.events if event.kind == kind]
 
 
 def test_it_moves_its_joints_and_no_others(simulate):
@@ -83,7 +79,9 @@ def test_it_gives_its_joints_up_once_somebody_takes_them(simulate):
     sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=none))
     sim.advance(0.5)
     assert not user.runs(context)
-    assert "somebody else" in user.ended(context)
+    told = told_of(sim, "policy")
+    assert len(told) == 1
+    assert "somebody else" in told[0].text
     assert not np.any(sim.atlas_state.k_effort)
     user.take(context)
     sim.advance(0.1)
@@ -94,9 +92,46 @@ def test_it_gives_its_joints_up_once_somebody_takes_them(simulate):
 def test_what_is_no_number_is_never_applied(simulate):
     sim = simulate([np.nan, 0.0])
     sim.advance(0.5)
-    user, context = policy_of(sim)
-    assert "not a number" in user.ended(context)
+    assert "not a number" in told_of(sim, "policy")[0].text
     assert not np.any(sim.atlas_state.k_effort)
+
+
+def test_a_schedule_commands_beside_it_and_takes_its_joints(simulate, tmp_path):
+    file = save(tmp_path / "p.onnx", [-0.4, 0.8], metadata=METADATA)
+    stand = {"behavior": "STAND", "k_effort": [0] * ROBOT.num_joints}
+    messages = [
+        {"time": 0.5, "atlas_sim_interface_command": {"behavior": "MANIPULATE"}},
+        {"time": 1.0, "atlas_sim_interface_command": stand},
+    ]
+    scenario = Scenario(policy=PolicyUse(file=str(file)), messages=messages)
+    sim = AtlasSimulation(scenario)
+    sim.advance(0.9)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    assert [sim.atlas_state.k_effort[i] for i in MINE] == [255, 255]
+    sim.advance(0.3)
+    assert sim.current_behavior is Behavior.STAND
+    assert not np.any(sim.atlas_state.k_effort)
+    assert 1.0 <= told_of(sim, "policy")[0].time < 1.05
+
+
+def test_an_event_is_told_once_also_after_going_back(simulate):
+    sim = simulate([np.nan, 0.0])
+    before = sim.snapshot()
+    sim.advance(0.5)
+    after = sim.snapshot()
+    sim.restore(before)
+    assert not told_of(sim, "policy")
+    sim.restore(after)
+    sim.advance(0.1)
+    assert len(told_of(sim, "policy")) == 1
+
+
+def test_a_scenario_of_what_was_done_has_its_messages_and_not_the_policy(simulate):
+    sim = simulate([0.0, 0.0])
+    sim.advance(0.4)
+    done = scenario_of_what_was_done(sim)
+    assert done.policy is None
+    assert len(done.messages) > 10
 
 
 def test_a_memory_counts_from_the_start_and_a_new_run_repeats_it(simulate):
@@ -134,22 +169,20 @@ def test_a_watchdog_takes_the_joints_of_a_policy_that_wants_too_much(simulate):
     sim.advance(0.3)
     assert not np.any(sim.atlas_state.k_effort)
     assert sim.current_behavior is Behavior.STAND
-    dog = sim.diagram.GetSubsystemByName("watchdog")
-    assert "r_arm_shx" in dog.barked(dog.GetMyContextFromRoot(sim.context))
+    told = told_of(sim, "watchdog")
+    assert len(told) == 1
+    assert "r_arm_shx" in told[0].text
 
 
 def test_a_watchdog_waits_for_two_periods_and_not_longer(simulate):
     sim = simulate([0.0, 0.0], watchdog=True)
     sim.advance(0.5)
-    dog = sim.diagram.GetSubsystemByName("watchdog")
-    context = dog.GetMyContextFromRoot(sim.context)
-    assert dog.barked(context) == ""
     user, of_user = policy_of(sim)
-    user._give_up(of_user.get_mutable_state(), user._state.get(of_user), "dead")
+    user._give_up(of_user, of_user.get_mutable_state(), "dead")
     sim.advance(2.0 * PERIOD - 0.01)
-    assert dog.barked(context) == ""
+    assert not told_of(sim, "watchdog")
     sim.advance(0.05)
-    assert "ms old" in dog.barked(context)
+    assert "ms old" in told_of(sim, "watchdog")[0].text
     assert not np.any(sim.atlas_state.k_effort)
 
 
