@@ -26,5 +26,7 @@ FEET: tuple[Color, Color] = ((0.10, 0.42, 0.85), (0.90, 0.42, 0.08))
 
 BEHAVIOR, SHARED, USER = (0.32, 0.52, 0.82), (0.66, 0.30, 0.68), (0.96, 0.58, 0.12)
 """Blue, violet and amber: the behavior's joint, half each, the user's."""
+POLICY: Color = (0.10, 0.60, 0.55)
+"""Blue green: a learned policy's joint."""
 IDLE, BUSY, SPENT = (0.50, 0.57, 0.66), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
 """Grey, yellow and red: no effort, half of its limit, all of it."""

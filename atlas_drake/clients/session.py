@@ -13,7 +13,7 @@ from pydrake.geometry import Meshcat
 from atlas_drake import simulation
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.errors import ScenarioError
-from atlas_drake.messages.event import RunEvent
+from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation.atlas_simulation import check_types
@@ -29,6 +29,7 @@ from atlas_drake.simulation.sockets import (
 if TYPE_CHECKING:
     from atlas_drake.clients.logs.header import LogError
     from atlas_drake.clients.logs.recording import LogRecording
+    from atlas_drake.clients.policies.joining import RunningPolicy
 
 
 class AtlasSimulation(simulation.AtlasSimulation):
@@ -107,9 +108,10 @@ class AtlasSimulation(simulation.AtlasSimulation):
                 "overlays": overlays,
             }
             own.append(partial(add_meshcat_view, **shown))
-        policy = scenario.validate().policy
+        policy = scenario.policy and scenario.validate().policy
+        self._policy: RunningPolicy | None = None
         if policy is not None:
-            from atlas_drake.clients.policies.joining import policy_extension
+            from atlas_drake.clients.policies.joining import policy_extension, policy_of
 
             own.append(policy_extension(policy, load_robot(scenario.model)))
         if log is not None:
@@ -126,6 +128,8 @@ class AtlasSimulation(simulation.AtlasSimulation):
             extend=[*own, *additions(extend)],
             listeners=[*heard, *listeners],
         )
+        if policy is not None:
+            self._policy = policy_of(self)
         if self.meshcat is not None:
             show_start(self.meshcat, self.scenario)
         if view is True and self.meshcat is not None:
@@ -159,19 +163,17 @@ class AtlasSimulation(simulation.AtlasSimulation):
 
     def _look(self) -> None:
         super()._look()
-        if self.scenario.policy is not None:
-            self._tell_of_policy()
+        if self._policy is not None:
+            self._tell_of(self._policy.events)
         fault = None if self._recording is None else self._recording.fault
         if fault is not self._fault:
             self._fault = fault
             text = f"{fault}; the run continues without it"
             self._tell(self._log.note(RunEvent(self.time, "warning", text)))
 
-    def _tell_of_policy(self) -> None:
-        """Notes what became of the policy, once."""
-        from atlas_drake.clients.policies.joining import policy_events
-
-        told = {(event.time, event.kind) for event in self.events}
-        for event in policy_events(self):
-            if (round(event.time, 6), event.kind) not in told:
+    def _tell_of(self, events: Iterable[Event]) -> None:
+        """Notes what became of the policy, each event once."""
+        for event in events:
+            known = {one.time for one in self.events if one.kind == event.kind}
+            if round(event.time, 6) not in known:
                 self._tell(self._log.note(event))

@@ -30,11 +30,13 @@ class PolicyUse(Configuration):
     """Its joints in its own order, where the file does not name them."""
     velocity: Velocity = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Velocity that it is asked for at first: ahead, left [m/s], turn [rad/s]."""
+    fastest: Velocity = field(default_factory=lambda: [0.8, 0.4, 0.8])
+    """Velocity that keys and sticks of the cockpit ask for at their ends, likewise."""
     start: NotNegative[Seconds] = 0.3
     """Time at which it takes its joints; the robot stands by then."""
     watchdog: bool = False
     """True if STAND takes the joints back when the policy's commands are late, no
-    numbers, or beyond a joint's stop."""
+    numbers, or far beyond a joint's stop."""
 
     def check(self) -> None:
         """Checks that there is a policy."""

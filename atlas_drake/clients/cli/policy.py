@@ -36,7 +36,7 @@ def add_policy_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         default=None,
         help="STAND takes the joints back when the policy's commands are late, no "
-        "numbers, or beyond a joint's stop",
+        "numbers, or far beyond a joint's stop",
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.scenario_requests import NextRun, ScenarioRequests
 from atlas_drake.clients.cockpit.wire import Frame, Robot, Run, Settings
 from atlas_drake.clients.logs.failure_modes import FailureWatch
+from atlas_drake.clients.policies.joining import policy_of
 from atlas_drake.clients.steering.joint_motion import JointFacts
 from atlas_drake.clients.steering.pilot import reports_of
 from atlas_drake.clients.view.overlays import Overlays
@@ -83,6 +85,13 @@ class RunPage:
             written=scenarios.written,
             done=scenarios.done,
         )
+        self._policy = policy_of(sim)
+        if self._policy is not None:
+            self.requests |= offered(
+                steer_policy=self._steer_policy,
+                take_policy=self._policy.take,
+                watch_policy=self._policy.watch,
+            )
 
     def described(self) -> Run:
         """Describes the run."""
@@ -114,6 +123,12 @@ class RunPage:
         """Switches an overlay."""
         self._overlays.switch(overlay, on)
 
+    def _steer_policy(self, forward: float, left: float, turn: float) -> None:
+        """Asks the policy for a velocity, as shares of its greatest one."""
+        assert self._policy is not None
+        shares = check_vector([forward, left, turn], "velocity", 3, 1.0)
+        self._policy.steer(self._policy.user.fastest * shares)
+
     # ---- frames --------------------------------------------------------------
 
     def frame(self) -> Frame:
@@ -134,6 +149,7 @@ class RunPage:
             "refusals": self._refusals(),
             "overlays": sorted(self._overlays.on),
             "recording": self._recording.is_on,
+            "policy": self._shown_policy(),
         }
         events = events_after(sim.events, self._events_seen)
         self._events_seen += len(events)
@@ -146,7 +162,30 @@ class RunPage:
             user=float(reports.command.k.mean()),
             events=events,
             reports=reports,
+            steered_policy=self._steered_policy(),
         )
+
+    def _shown_policy(self) -> dict[str, Any] | None:
+        policy = self._policy
+        if policy is None:
+            return None
+        return {
+            "name": Path(policy.user.policy.description.network).stem,
+            "joints": policy.user.joints,
+            "runs": policy.runs,
+            "velocity": policy.velocity,
+            "watched": policy.is_watched,
+        }
+
+    def _steered_policy(self) -> tuple[float, float, float] | None:
+        policy = self._policy
+        if policy is None or not policy.runs:
+            return None
+        fastest = policy.user.fastest
+        ratios = np.zeros(3)
+        np.divide(policy.velocity, fastest, out=ratios, where=fastest != 0.0)
+        forward, left, turn = map(float, ratios)
+        return forward, left, turn
 
     def watch(self) -> None:
         """Looks for what fails, also between two frames of a run that is fast."""

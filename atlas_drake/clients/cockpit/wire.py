@@ -55,6 +55,8 @@ class Frame:
         rate: Simulated seconds per second of wall time, lately; 0 in a pause.
         behavior: Name of the active behavior.
         user: The user's share of all joints, 0 to 1.
+        steered_policy: Shares of the greatest velocity that a policy is asked for,
+            which has its joints; None without.
         events: Events since the frame before.
         reports: For the pilot; None for a log.
     """
@@ -67,6 +69,7 @@ class Frame:
     user: float
     events: tuple[ShownEvent, ...] = ()
     reports: Reports | None = None
+    steered_policy: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,11 @@
-"""Joins the policy that a scenario names, and tells what became of it."""
+"""Joins the policy that a scenario names to a simulation, and steers it there."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from atlas_drake.clients.policies import policy_user, watchdog
@@ -19,7 +21,7 @@ from atlas_drake.simulation.sockets import Extend
 
 
 def policy_extension(use: PolicyUse, robot: Robot) -> Extend:
-    """Returns what adds a policy, and its watchdog if one is asked for.
+    """Returns what adds a policy and its watchdog, which may be off.
 
     Raises:
         ScenarioError: Naming file and field, if the policy cannot be used.
@@ -27,25 +29,83 @@ def policy_extension(use: PolicyUse, robot: Robot) -> Extend:
     """
     try:
         policy = read_policy(use.file, use.joints or None)
-        user = PolicyUser(policy, robot, velocity=use.velocity, start=use.start)
+        user = PolicyUser(
+            policy,
+            robot,
+            velocity=use.velocity,
+            fastest=use.fastest,
+            start=use.start,
+        )
     except ScenarioError as error:
         raise error.within("policy") from None
 
     def extend(builder: DiagramBuilder, station: Diagram) -> None:
         add_policy(builder, station, user)
-        if use.watchdog:
-            dog = Watchdog(robot, policy.description.period)
-            add_watchdog(builder, station, dog, user)
+        dog = Watchdog(robot, policy.description.period, watches=use.watchdog)
+        add_watchdog(builder, station, dog, user)
 
     return extend
 
 
-def policy_events(sim: AtlasSimulation) -> list[Event]:
-    """Returns the latest events of a run's policy and its watchdog."""
-    ways = ((policy_user.SYSTEM, PolicyUser.ended), (watchdog.SYSTEM, Watchdog.barked))
-    found = []
-    for name, latest in ways:
-        if sim.diagram.HasSubsystemNamed(name):
-            system: Any = sim.diagram.GetSubsystemByName(name)
-            found.append(latest(system, system.GetMyContextFromRoot(sim.context)))
-    return [event for event in found if event is not None]
+class RunningPolicy:
+    """The policy of a simulation, for whoever steers it.
+
+    Attributes:
+        user: Its system.
+    """
+
+    def __init__(self, sim: AtlasSimulation) -> None:
+        """Finds the policy of a simulation that has one."""
+        self._sim = sim
+        self.user: PolicyUser = self._system(policy_user.SYSTEM)
+        self._dog: Watchdog | None = None
+        if sim.diagram.HasSubsystemNamed(watchdog.SYSTEM):
+            self._dog = self._system(watchdog.SYSTEM)
+
+    @property
+    def runs(self) -> bool:
+        """True while the joints are the policy's."""
+        return self.user.runs(self._context(self.user))
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Desired velocity: ahead, left [m/s], turn [rad/s], shape (3,)."""
+        return self.user.velocity(self._context(self.user))
+
+    @property
+    def is_watched(self) -> bool:
+        """True if a watchdog takes joints back from it."""
+        return self._dog is not None and self._dog.watches(self._context(self._dog))
+
+    @property
+    def events(self) -> list[Event]:
+        """The latest event of the policy, and of its watchdog."""
+        found = [self.user.ended(self._context(self.user))]
+        if self._dog is not None:
+            found.append(self._dog.barked(self._context(self._dog)))
+        return [event for event in found if event is not None]
+
+    def steer(self, velocity: Sequence[float] | np.ndarray) -> None:
+        """Sets the desired velocity."""
+        self.user.steer(self._context(self.user), velocity)
+
+    def take(self) -> None:
+        """Lets the policy take its joints, with an empty memory."""
+        self.user.take(self._context(self.user))
+
+    def watch(self, on: bool) -> None:
+        """Switches its watchdog, if it has one."""
+        if self._dog is not None:
+            self._dog.watch(self._context(self._dog), on)
+
+    def _system(self, name: str) -> Any:
+        return self._sim.diagram.GetSubsystemByName(name)
+
+    def _context(self, system: Any) -> Any:
+        return system.GetMyMutableContextFromRoot(self._sim.context)
+
+
+def policy_of(sim: AtlasSimulation) -> RunningPolicy | None:
+    """Returns the policy of a simulation; None if it has none."""
+    has_policy = sim.diagram.HasSubsystemNamed(policy_user.SYSTEM)
+    return RunningPolicy(sim) if has_policy else None

@@ -18,7 +18,6 @@ from atlas_drake.messages import AtlasCommand
 from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
-from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.sockets import CollectableSystem
 
 SYSTEM = "policy"
@@ -58,6 +57,7 @@ class PolicyUser(CollectableSystem):
     Attributes:
         policy: The policy.
         joints: Indices of its joints in message order.
+        fastest: Velocity that keys and sticks ask for at their ends, shape (3,).
     """
 
     __slots__ = ()
@@ -68,6 +68,7 @@ class PolicyUser(CollectableSystem):
         robot: Robot,
         *,
         velocity: Sequence[float] = (0.0, 0.0, 0.0),
+        fastest: Sequence[float] = (0.8, 0.4, 0.8),
         start: float = 0.0,
     ):
         """Makes the system.
@@ -76,6 +77,7 @@ class PolicyUser(CollectableSystem):
             policy: The policy.
             robot: The robot of the station.
             velocity: Desired velocity at first: ahead, left [m/s], turn [rad/s].
+            fastest: Velocity that keys and sticks ask for at their ends, likewise.
             start: Time at which the policy takes its joints [s].
 
         Raises:
@@ -83,6 +85,7 @@ class PolicyUser(CollectableSystem):
         """
         super().__init__()
         self.policy, self._start = policy, start
+        self.fastest = np.array(fastest, dtype=float)
         description = policy.description
         try:
             self.joints = np.array([*map(robot.joint_index, description.joints)])
@@ -100,8 +103,12 @@ class PolicyUser(CollectableSystem):
 
     # ---- for clients ---------------------------------------------------------
 
-    def steer(self, context: Context, velocity: Sequence[float]) -> None:
-        """Sets the desired velocity: ahead, left [m/s], turn [rad/s]."""
+    def velocity(self, context: Context) -> np.ndarray:
+        """Returns the desired velocity: ahead, left [m/s], turn [rad/s], shape (3,)."""
+        return context.get_discrete_state(self._velocity).get_value().copy()
+
+    def steer(self, context: Context, velocity: Sequence[float] | np.ndarray) -> None:
+        """Sets the desired velocity."""
         context.SetDiscreteState(self._velocity, np.array(velocity, dtype=float))
 
     def take(self, context: Context) -> None:
@@ -134,8 +141,7 @@ class PolicyUser(CollectableSystem):
         if last.actions and (commands.k_effort[self.joints] < K_EFFORT_MAX).any():
             self._give_up(context, state, "somebody else has taken its joints")
             return
-        velocity = context.get_discrete_state(self._velocity).get_value().copy()
-        here = self._see(last, measured, imu, velocity)
+        here = self._see(last, measured, imu, self.velocity(context))
         observation = np.concatenate([values.ravel() for values in here])
         action, memory = self.policy.network.act(observation, last.memory)
         if not np.isfinite(action).all():
@@ -205,9 +211,3 @@ def add_policy(builder: DiagramBuilder, station: Diagram, user: PolicyUser) -> N
         builder.Connect(station.GetOutputPort(name), user.GetInputPort(name))
     command = station.GetInputPort("atlas_command")
     builder.Connect(user.GetOutputPort("atlas_command"), command)
-
-
-def policy_of(sim: AtlasSimulation) -> tuple[PolicyUser, Context]:
-    """Returns the policy of a simulation that has one, and its context."""
-    user: Any = sim.diagram.GetSubsystemByName(SYSTEM)
-    return user, user.GetMyMutableContextFromRoot(sim.context)

@@ -27,6 +27,7 @@ LATE = 2.0
 class Watch(Frozen):
     """What the watchdog has seen."""
 
+    watches: bool  # False lets the user do what it does
     message: Any = NOTHING  # The latest one of the user
     since: float = 0.0  # When it came [s]
     barked: Event | None = None  # Why joints were taken back, the latest time
@@ -35,9 +36,9 @@ class Watch(Frozen):
 class Watchdog(CollectableSystem):
     """Requests STAND with ``k_effort`` 0 when the user of a command port has died.
 
-    That is when no new command came for ``LATE`` periods, or one asks for a position
-    beyond a joint's stops. It is silent while the joints of the last command are in
-    other hands.
+    That is when no new command came for ``LATE`` periods, or one has a set-point so far
+    beyond a joint's stop that it presses the joint there with more than all its torque.
+    It is silent while the joints of the last command are in other hands.
 
     Input ports:
         atlas_command: ``AtlasCommand`` of the user, NOTHING before the first.
@@ -49,7 +50,7 @@ class Watchdog(CollectableSystem):
 
     __slots__ = ()
 
-    def __init__(self, robot: Robot, period: float):
+    def __init__(self, robot: Robot, period: float, *, watches: bool = True):
         """Expects a command every ``period`` [s]; looks twice as often."""
         super().__init__()
         self._robot, self._period = robot, period
@@ -57,8 +58,16 @@ class Watchdog(CollectableSystem):
         self._commands = self.declare_value_input("commands")
         name = "atlas_sim_interface_command"
         self._request = self.declare_value_state(NOTHING, name)
-        self._watch = self.declare_value_state(Watch())
+        self._watch = self.declare_value_state(Watch(watches))
         self.DeclarePeriodicUnrestrictedUpdateEvent(0.5 * period, 0.0, self._update)
+
+    def watches(self, context: Context) -> bool:
+        """Returns True if it takes joints back."""
+        return bool(self._watch.get(context).watches)
+
+    def watch(self, context: Context, on: bool) -> None:
+        """Begins to take joints back, or lets the user do what it does."""
+        self._watch.set(context, replace(self._watch.get(context), watches=on))
 
     def barked(self, context: Context) -> Event | None:
         """Returns the latest event of joints being taken back; None if none were."""
@@ -68,7 +77,7 @@ class Watchdog(CollectableSystem):
     def _update(self, context: Context, state: State) -> None:
         watch, time = self._watch.get(context), context.get_time()
         message = self._user.Eval(context)
-        if message is NOTHING:
+        if message is NOTHING or not watch.watches:
             return
         if message is not watch.message:
             watch = replace(watch, message=message, since=time)
@@ -92,12 +101,16 @@ class Watchdog(CollectableSystem):
         if age > LATE * self._period + 1e-9:
             return f"its last command is {1e3 * age:.0f} ms old"
         robot, position = self._robot, np.asarray(message.position)
-        beyond = (position < robot.position_lower) | (position > robot.position_upper)
-        wrong = np.flatnonzero(mine & beyond)
+        beyond = np.maximum(
+            robot.position_lower - position, position - robot.position_upper
+        )
+        # Policies send set-points a little beyond stops, as a way to ask for torque.
+        pressed = np.asarray(message.kp_position) * beyond > robot.effort_limit
+        wrong = np.flatnonzero(mine & pressed)
         if not wrong.size:
             return ""
         name, asked = robot.joint_names[wrong[0]], position[wrong[0]]
-        return f"it sends {name} to {asked:.2f} rad, beyond its stop"
+        return f"it presses {name} into its stop: set-point {asked:.2f} rad"
 
 
 def add_watchdog(

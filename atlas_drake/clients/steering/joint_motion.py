@@ -45,6 +45,7 @@ class JointFacts:
         position_upper: Upper position limits [rad], shape (n,).
         stand_prep: The stand-prep pose [rad], shape (n,).
         default_kp: Default position gains [N·m/rad], shape (n,).
+        legs: True for joints of the legs, bool, shape (n,).
     """
 
     joint_names: tuple[str, ...]
@@ -52,6 +53,7 @@ class JointFacts:
     position_upper: np.ndarray
     stand_prep: np.ndarray
     default_kp: np.ndarray
+    legs: np.ndarray
 
     @classmethod
     def of(cls, robot: Robot) -> JointFacts:
@@ -62,6 +64,7 @@ class JointFacts:
             robot.position_upper,
             robot.stand_prep,
             robot.default_kp,
+            robot.limb("l_leg", "r_leg"),
         )
 
 

@@ -120,11 +120,18 @@ class Pilot(Walker, JointMotion):
         self._publish(command)
 
     def stop(self) -> None:
-        """Comes to rest: a walk ends with its next step, all else becomes STAND."""
+        """Comes to rest: a walk ends with its next step, all else becomes STAND.
+
+        STAND gets the legs, whoever has them: it cannot balance without. Arms, trunk
+        and neck stay whose they are.
+        """
         if self.walks:
             self.stop_walking()
-        else:
-            self.behave(Behavior.STAND)
+            return
+        self.behave(Behavior.STAND)
+        legs = self._joints.legs
+        if self.shares[legs].any():
+            self.set_shares(np.where(legs, 0, self.shares))
 
     def _fill_step(self, command: AtlasSimInterfaceCommand) -> None:
         """Requests one step ahead, with alternating feet."""

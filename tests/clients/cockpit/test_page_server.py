@@ -96,6 +96,26 @@ def test_the_pilot_makes_messages_of_what_is_asked():
     asyncio.run(go())
 
 
+def test_a_policy_that_has_its_joints_is_steered_in_place_of_a_walk():
+    async def go():
+        async with served() as page:
+            browser = await page.open()
+            page.take(page.simulation.frame(1.1, steered_policy=(0.5, 0.0, 0.0)))
+            while (seen := await browser.hear("frame"))["frame"]["time"] < 1.1:
+                pass
+            assert seen["walking"]["direction"] == [0.5, 0.0, 0.0]
+            await browser.do("walk", forward=1)
+            asked = page.simulation.requests[-1]
+            assert asked.name == "steer_policy"
+            assert asked.values == {"forward": 1, "left": 0.0, "turn": 0.0}
+            await browser.do("stop_walking")
+            assert page.simulation.requests[-1].values["forward"] == 0.0
+            await browser.do("release_control")
+            assert page.simulation.requests[-1].name == "steer_policy"
+
+    asyncio.run(go())
+
+
 def test_set_points_move_while_the_run_goes_on():
     async def go():
         async with served() as page:

@@ -8,14 +8,24 @@ import numpy as np
 import orjson
 import pytest
 
-from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    PolicyUse,
+    Scenario,
+)
 from atlas_drake.clients.cockpit.clock import KEPT_EVERY
 from atlas_drake.clients.cockpit.cockpit import Cockpit
-from atlas_drake.clients.cockpit.recording import ANIMATION, MESSAGE
-from atlas_drake.clients.cockpit.run_page import why_refused
+from atlas_drake.clients.cockpit.recording import ANIMATION, MESSAGE, Recording
+from atlas_drake.clients.cockpit.run_page import RunPage, why_refused
 from atlas_drake.clients.cockpit.wire import Answer, Frame, Request
 from atlas_drake.clients.view import FRAME_RATE
+from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.errors import AtlasError
+from tests.policy_networks import ARM, METADATA, save
+
+from .conftest import Asked
 
 FREEZE = {"atlas_sim_interface_command": {"behavior": "FREEZE"}}
 
@@ -61,6 +71,30 @@ def test_what_cannot_be_used_is_refused_and_changes_nothing(run, request_, value
     assert run.sim.output("commands").received == before
     run.sim.advance(0.04)
     assert run.sim.current_behavior is Behavior.STAND
+
+
+def test_a_policy_is_steered_taken_and_watched(tmp_path, meshcat, next_run):
+    file = save(tmp_path / "arm.onnx", [0.0, 0.0], metadata=METADATA)
+    use = PolicyUse(file=str(file), start=0.0, fastest=[0.5, 0.2, 1.0])
+    sim = AtlasSimulation(Scenario(policy=use))
+    recording = Recording(meshcat)
+    run = Asked(RunPage(sim, meshcat, Overlays(), next_run, recording), sim)
+    sim.advance(0.1)
+    run.do("steer_policy", forward=1.0, left=0.0, turn=-0.5)
+    run.do("watch_policy", on=True)
+    shown = run.shown()["policy"]
+    assert shown["runs"]
+    assert shown["watched"]
+    assert shown["velocity"] == [0.5, 0.0, -0.5]
+    assert [sim.robot.joint_names[i] for i in shown["joints"]] == list(ARM)
+    assert run.page.frame().steered_policy == (1.0, 0.0, -0.5)
+    run.do("message", atlas_command={"k_effort": 0})
+    sim.advance(0.1)
+    assert run.page.frame().steered_policy is None
+    run.do("take_policy")
+    assert run.shown()["policy"]["runs"]
+    with pytest.raises(AtlasError):
+        run.do("steer_policy", forward=2.0, left=0.0, turn=0.0)
 
 
 def test_messages_have_the_form_of_a_scenario(run):

@@ -11,8 +11,8 @@ from atlas_drake import (
     PolicyUse,
     Scenario,
 )
+from atlas_drake.clients.policies.joining import policy_of
 from atlas_drake.clients.policies.observation import TERMS
-from atlas_drake.clients.policies.policy_user import policy_of
 from atlas_drake.messages import Imu
 from atlas_drake.messages.geometry import Quaternion
 from atlas_drake.robot import load_robot
@@ -66,26 +66,26 @@ def test_a_persons_joints_stay_the_persons(simulate):
     assert sim.atlas_state.position[elbow] == pytest.approx(
         command.position[elbow], abs=0.05
     )
-    user, context = policy_of(sim)
-    assert user.runs(context)
+    policy = policy_of(sim)
+    assert policy.runs
 
 
 def test_it_gives_its_joints_up_once_somebody_takes_them(simulate):
     sim = simulate([0.0, 0.0])
     sim.advance(0.5)
-    user, context = policy_of(sim)
-    assert user.runs(context)
+    policy = policy_of(sim)
+    assert policy.runs
     none = [0] * ROBOT.num_joints
     sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=none))
     sim.advance(0.5)
-    assert not user.runs(context)
+    assert not policy.runs
     told = told_of(sim, "policy")
     assert len(told) == 1
     assert "somebody else" in told[0].text
     assert not np.any(sim.atlas_state.k_effort)
-    user.take(context)
+    policy.take()
     sim.advance(0.1)
-    assert user.runs(context)
+    assert policy.runs
     assert [sim.atlas_state.k_effort[i] for i in MINE] == [255, 255]
 
 
@@ -112,6 +112,31 @@ def test_a_schedule_commands_beside_it_and_takes_its_joints(simulate, tmp_path):
     assert sim.current_behavior is Behavior.STAND
     assert not np.any(sim.atlas_state.k_effort)
     assert 1.0 <= told_of(sim, "policy")[0].time < 1.05
+
+
+def test_a_watchdog_that_is_switched_off_does_nothing(simulate):
+    sim = simulate([-10.0, 0.0], watchdog=True)
+    policy_of(sim).watch(False)
+    sim.advance(0.5)
+    assert policy_of(sim).runs
+    assert not policy_of(sim).is_watched
+    policy_of(sim).watch(True)
+    sim.advance(0.1)
+    assert not policy_of(sim).runs
+
+
+def test_its_velocity_can_be_asked_for_in_the_run(simulate):
+    sim = simulate([0.0, 0.0])
+    policy = policy_of(sim)
+    policy.steer((0.3, 0.0, -0.1))
+    sim.advance(0.2)
+    np.testing.assert_allclose(policy.velocity, [0.3, 0.0, -0.1])
+    sim.reset(seed=1)
+    np.testing.assert_allclose(policy.velocity, 0.0)
+
+
+def test_a_simulation_without_a_policy_has_none():
+    assert policy_of(AtlasSimulation()) is None
 
 
 def test_an_event_is_told_once_also_after_going_back(simulate):
@@ -177,7 +202,8 @@ def test_a_watchdog_takes_the_joints_of_a_policy_that_wants_too_much(simulate):
 def test_a_watchdog_waits_for_two_periods_and_not_longer(simulate):
     sim = simulate([0.0, 0.0], watchdog=True)
     sim.advance(0.5)
-    user, of_user = policy_of(sim)
+    user = policy_of(sim).user
+    of_user = user.GetMyMutableContextFromRoot(sim.context)
     user._give_up(of_user, of_user.get_mutable_state(), "dead")
     sim.advance(2.0 * PERIOD - 0.01)
     assert not told_of(sim, "watchdog")

@@ -115,6 +115,20 @@ def test_a_walk_that_was_sent_and_is_not_seen_yet_is_stopped(sim):
     assert len(sim.footsteps) <= 2  # And not the four that were sent.
 
 
+def test_stop_gives_the_legs_back_and_leaves_the_arms(sim):
+    pilot = Late(sim).pilot
+    pilot.share(sim.robot.joint_names, 255)
+    sim.advance(0.2)
+    pilot.stop()
+    sim.advance(0.3)
+    legs = sim.robot.limb("l_leg", "r_leg")
+    shares = np.array(sim.atlas_state.k_effort)
+    assert not shares[legs].any()
+    assert (shares[~legs] == 255).all()
+    assert sim.current_behavior is Behavior.STAND
+    assert not sim.has_fallen
+
+
 def test_a_plan_that_was_sent_and_is_not_seen_yet_is_stopped(sim):
     pilot = Late(sim).pilot
     pilot.plan_to(2.0, 0.0)

@@ -49,6 +49,9 @@ PILOT = offered(
     go_to_pose=Pilot.go_to_pose,
 )
 """What the pilot does, by name. All else is asked of the run, or of the log."""
+STEER_POLICY = "steer_policy"
+"""What walking by direction is asked of while a policy has its joints."""
+REST = {"forward": 0.0, "left": 0.0, "turn": 0.0}
 STOP, COLUMNS = "stop", "columns"
 """What any viewer with the token may do, and any viewer at all."""
 
@@ -112,15 +115,17 @@ class Actions:
     @property
     def beside(self) -> dict[str, Any]:
         """What the page shows of the pilot, beside a frame."""
-        pilot = self._pilot
-        if pilot is None:  # A log.
+        pilot, frame = self._pilot, self._frame
+        if pilot is None or frame is None:  # A log.
             return {
                 "walking": {"direction": None, "gait": {}, "plan": []},
                 "poses": [],
             }
+        steered = frame.steered_policy
+        of_policy = steered if steered is not None and any(steered) else None
         return {
             "walking": {
-                "direction": pilot.direction,
+                "direction": pilot.direction or of_policy,
                 "gait": pilot.gait_in_force,
                 "plan": pilot.plan_marks,
             },
@@ -138,10 +143,16 @@ class Actions:
             self._unasked(lambda: pilot.update(dt * frame.rate))
 
     def end_walk(self) -> None:
-        """Ends a walk by direction, which nobody steers any more."""
+        """Ends a walk by direction, or a policy's, which nobody steers any more."""
+        if self._steers_policy:
+            self._send(Request(0, STEER_POLICY, REST))
         pilot = self._pilot
         if pilot is not None and pilot.direction is not None:
             self._unasked(pilot.stop_walking)
+
+    @property
+    def _steers_policy(self) -> bool:
+        return self._frame is not None and self._frame.steered_policy is not None
 
     def _unasked(self, does: Callable[[], object]) -> None:
         """Lets the pilot do something that no browser waits for."""
@@ -201,6 +212,9 @@ class Actions:
             raise Refused("You are watching: ask for control first")
 
     async def _carry_out(self, name: str, given: Mapping[str, Any]) -> Any:
+        if name in ("walk", "stop_walking") and self._steers_policy:
+            velocity = REST | (dict(given) if name == "walk" else {})
+            return await self._ask(Request(0, STEER_POLICY, velocity))
         if name not in PILOT:
             return await self._ask(Request(0, name, given))
         while (pilot := self._pilot) is None:

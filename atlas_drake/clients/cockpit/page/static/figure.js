@@ -2,7 +2,7 @@
 // picture. Each limb and each joint is a button.
 
 import { light, set, svg } from "./dom.js";
-import { BEHAVIOR, SHARED, USER } from "./palette.js";
+import { BEHAVIOR, POLICY, SHARED, USER } from "./palette.js";
 
 export const MOST = 255; // k_effort of a joint that is the user's alone.
 
@@ -103,10 +103,13 @@ export function figure(joints, pressJoint, pressLimb) {
   svg("text", { class: "side", x: left + 4, y: top + 16 }, "R"),
   svg("text", { class: "side", x: right - 4, y: top + 16, "text-anchor": "end" }, "L"));
 
-  function show(shares, chosen) {
+  // `policys` are the joints that a learned policy has.
+  function show(shares, chosen, policys = []) {
     limbs.forEach((group, limb) => light(group, limb === chosen, "chosen"));
     circles.forEach(({ group, ring, share }, i) => {
-      const color = ownerColor(shares[i]), text = `${joints[i].name}: ${owner(shares[i])}`;
+      const learned = policys.includes(i);
+      const color = learned ? POLICY : ownerColor(shares[i]);
+      const text = `${joints[i].name}: ${learned ? "the policy's" : owner(shares[i])}`;
       set(group, { "aria-label": text, "data-tip": text });
       set(ring, { fill: color, stroke: color });
       set(share, { fill: color, d: slice(shares[i]) });

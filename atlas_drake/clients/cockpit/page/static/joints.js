@@ -14,7 +14,7 @@ export function build(page, root) {
   const limbs = [...new Set(joints.map((joint) => joint.limb))];
   const all = joints.map((_, i) => i);
   const of = (...chosen) => all.filter((i) => chosen.includes(joints[i].limb));
-  let limb = "", shares = all.map(() => 0), share = null, dials = [];
+  let limb = "", shares = all.map(() => 0), share = null, dials = [], policys = [];
 
   const give = (indices, share) => page.do("share", {
     joints: indices.map((i) => joints[i].name), k_effort: share });
@@ -30,12 +30,12 @@ export function build(page, root) {
   const part = el("div", { class: "share", style: { "--scale": scale } });
   const value = el("span", { class: "number" });
   const box = el("div", { class: "dials" });
-  const poses = poseMenu(page);
+  const poses = poseMenu(page), watchdog = watchdogSwitch(page);
   root.append(
     el("div", { class: "who" }, picture.element, page.log ? null : presets()),
     part,
     el("p", { class: "dim told" }, "Knob set-point, tick measured [rad], bar effort"),
-    box);
+    box, watchdog.element);
 
   function presets() {
     const tips = [
@@ -69,7 +69,7 @@ export function build(page, root) {
   function showDials(frame) { dials.forEach((one) => one.show(frame)); }
 
   function draw() {
-    picture.show(shares, limb);
+    picture.show(shares, limb, policys);
     const own = of(limb).map((i) => shares[i]);
     share.put(Math.max(...own));
     set(share.input, { style: { "--owner": ownerColor(Math.max(...own)) } });
@@ -80,9 +80,27 @@ export function build(page, root) {
   return {
     show(frame) {
       shares = frame.command.k_effort;
+      policys = frame.policy?.runs ? frame.policy.joints : [];
+      watchdog.show(frame.policy);
       draw();
       showDials(frame);
       poses.show(page.poses);
+    },
+  };
+}
+
+// Whether STAND takes the joints of a policy that has died.
+function watchdogSwitch(page) {
+  const input = el("input", { type: "checkbox",
+                              onchange: () => page.do("watch_policy", { on: input.checked }) });
+  const element = el("label", {
+    "data-tip": "STAND takes all joints when the policy's commands are late, no numbers, or "
+      + "far beyond a joint's stop" }, input, " Watchdog over the policy");
+  return {
+    element,
+    show(policy) {
+      element.hidden = !policy;
+      if (policy) set(input, { checked: policy.watched });
     },
   };
 }

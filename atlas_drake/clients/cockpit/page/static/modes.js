@@ -3,6 +3,7 @@
 import { button, el, form, light, set, write } from "./dom.js";
 import { field } from "./fields.js";
 import { MODES } from "./keys.js";
+import { POLICY } from "./palette.js";
 import { popover } from "./popover.js";
 
 const KEYS = Object.fromEntries(Object.entries(MODES).map(([key, name]) => [name, key]));
@@ -10,6 +11,7 @@ const KEYS = Object.fromEntries(Object.entries(MODES).map(([key, name]) => [name
 export function build(page, root) {
   const nav = el("nav", { class: "modes", "aria-label": "Modes" });
   const buttons = page.run.behaviors.map((behavior) => addBehavior(page, nav, behavior));
+  const policy = page.log ? null : addPolicy(page, nav);
   const said = el("small", {}, "Esc");
   const stop = button(["STOP", said], () => page.stop(), { class: "stop", "aria-label": "STOP" });
   nav.append(stop);
@@ -18,6 +20,7 @@ export function build(page, root) {
     show(frame) {
       const stopping = page.stopping !== null;
       for (const one of buttons) one.show(frame, stopping);
+      policy?.show(frame, stopping);
       stop.hidden = !page.session.may_steer;
       light(stop, stopping, "stopping");
       write(said, stopping ? "stopping …" : "Esc");
@@ -45,6 +48,24 @@ function addBehavior(page, nav, { name, color, description, params }) {
       light(one, active);
       set(one, { "aria-pressed": active, "aria-disabled": refusal !== "",
                  "data-tip": refusal || description });
+    },
+  };
+}
+
+// Lets a learned policy take its joints again; STOP takes them back.
+function addPolicy(page, nav) {
+  const one = button("POLICY", () => page.do("take_policy"),
+                     { class: "behavior", style: { "--own": POLICY } });
+  nav.append(one);
+  return {
+    show({ policy, fallen }, stopping) {
+      one.hidden = policy === null;
+      if (policy === null) return;
+      const active = policy.runs && !stopping && !fallen;
+      const tip = `${policy.name} commands ${policy.joints.length} joints, and the keys of the walk`
+        + " ask it for a velocity. STOP gives the legs back to STAND";
+      light(one, active);
+      set(one, { "aria-pressed": active, "data-tip": tip });
     },
   };
 }
