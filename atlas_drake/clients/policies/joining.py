@@ -93,6 +93,10 @@ class RunningPolicy:
         """Lets the policy take its joints, with an empty memory."""
         self.user.take(self._context(self.user))
 
+    def stop(self) -> None:
+        """Lets the policy say nothing more, as if it had died."""
+        self.user.stop(self._context(self.user), "it is stopped")
+
     def watch(self, on: bool) -> None:
         """Switches its watchdog, if it has one."""
         if self._dog is not None:

@@ -115,6 +115,10 @@ class PolicyUser(CollectableSystem):
         """Lets the policy take its joints again, with an empty memory."""
         self._state.set(context, replace(self._at_rest(), runs=True))
 
+    def stop(self, context: Context, why: str) -> None:
+        """Lets the policy say nothing more; its last set-points stay in force."""
+        self._give_up(context, context.get_mutable_state(), why)
+
     def runs(self, context: Context) -> bool:
         """Returns True while the joints are the policy's."""
         return bool(self._state.get(context).runs)

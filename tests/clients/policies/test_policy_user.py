@@ -202,9 +202,7 @@ def test_a_watchdog_takes_the_joints_of_a_policy_that_wants_too_much(simulate):
 def test_a_watchdog_waits_for_two_periods_and_not_longer(simulate):
     sim = simulate([0.0, 0.0], watchdog=True)
     sim.advance(0.5)
-    user = policy_of(sim).user
-    of_user = user.GetMyMutableContextFromRoot(sim.context)
-    user._give_up(of_user, of_user.get_mutable_state(), "dead")
+    policy_of(sim).stop()
     sim.advance(2.0 * PERIOD - 0.01)
     assert not told_of(sim, "watchdog")
     sim.advance(0.05)
