@@ -51,7 +51,7 @@ docs: $(STAMP) ## Write the JSON schemas; build the site (build/site).
 
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).
-	@failed=0; for name in startup realtime cockpit hand_over; do \
+	@failed=0; for name in startup realtime cockpit hand_over users; do \
 	  echo; echo "== benchmarks/$$name.py"; \
 	  $(BIN)/python benchmarks/$$name.py || failed=1; \
 	done; for name in walking tutorial; do \

@@ -26,6 +26,7 @@ from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.messages.footstep import RIGHT, FootPose
 from atlas_drake.rotations import rotation_z
+from tests.policy_networks import METADATA, save
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 HERON = Path(__file__).parent / "robots" / "heron"
@@ -249,3 +250,24 @@ def test_a_robot_that_is_handed_back_in_mid_stride_stands():
     assert record["error"] is None
     assert record["success"], record["missed"]
     assert record["figures"]["quiet"] < 5.0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("restored_loggers")
+def test_a_policy_that_dies_is_noticed_and_stand_takes_over(tmp_path):
+    file = save(tmp_path / "arm.onnx", [0.0, 0.0], metadata=METADATA)
+    settings = [f"policy.file={file}", "policy.watchdog=true", "parameters.end=dies"]
+    campaign = load_campaign(FOLDER / "campaigns" / "users.yaml", settings)
+    record = TrialRunner(campaign)(make_trial(campaign, 1))
+    assert record["error"] is None
+    assert record["success"], record["missed"]
+    assert record["figures"]["quiet"] < 1.0
+
+
+def test_a_policy_and_environments_have_the_figures_promised(load, monkeypatch):
+    users = load("users")
+    monkeypatch.setattr(users, "TICKS", 3)
+    assert users.tick_ms() > 0.0
+    steps, ratio = users.rate(users.walk(), 0.3)
+    assert steps > 0.0
+    assert ratio > 0.0

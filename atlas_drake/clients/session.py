@@ -111,9 +111,11 @@ class AtlasSimulation(simulation.AtlasSimulation):
         policy = scenario.policy and scenario.validate().policy
         self._policy: RunningPolicy | None = None
         if policy is not None:
-            from atlas_drake.clients.policies.joining import policy_extension, policy_of
+            from atlas_drake.clients.policies.joining import policy_of, policy_parts
 
-            own.append(policy_extension(policy, load_robot(scenario.model)))
+            add, overlay = policy_parts(policy, load_robot(scenario.model))
+            own.append(add)
+            world = [*overlay, *world]
         if log is not None:
             from atlas_drake.clients.logs.recording import LogRecording
 

@@ -171,7 +171,7 @@ class RunPage:
             return None
         return {
             "name": Path(policy.user.policy.description.network).stem,
-            "joints": policy.user.joints,
+            "joints": policy.user.joints.indices,
             "runs": policy.runs,
             "velocity": policy.velocity,
             "watched": policy.is_watched,

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
-from annotated_types import Len
+from annotated_types import Len, Unit
 
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.errors import ScenarioError
 from atlas_drake.units import (
+    NewtonMeters,
     NewtonMeterSecondsPerRadian,
     NewtonMetersPerRadian,
     Radians,
@@ -17,6 +18,9 @@ from atlas_drake.units import (
     Seconds,
 )
 
+OVERLAY = ("armature", "damping", "effort_limit")
+"""Fields that change the simulated robot to the one of the training."""
+KilogramMetersSquared = Annotated[float, Unit("kg·m²")]
 Scales = Annotated[list[Ratio], Len(1)]
 """One number for all elements, or one for each."""
 
@@ -51,6 +55,15 @@ class PolicyDescription(Configuration):
     """Set-point from the default position, per unit of the action [rad]."""
     observation: Annotated[list[ObservationTerm], Len(1)]
     """Terms of the observation, in their order."""
+    armature: list[NotNegative[KilogramMetersSquared]] = field(default_factory=list)
+    """Inertia of their rotors at the joint, as in training; empty as the robot has it.
+    """
+    damping: list[NotNegative[NewtonMeterSecondsPerRadian]] = field(
+        default_factory=list
+    )
+    """Damping of the joints themselves, likewise."""
+    effort_limit: list[Positive[NewtonMeters]] = field(default_factory=list)
+    """Largest efforts of their motors, likewise; none above the robot's counts."""
     period: Positive[Seconds] = 0.02
     """Time between two actions."""
     gait_period: Positive[Seconds] = 0.8
@@ -59,9 +72,9 @@ class PolicyDescription(Configuration):
     def check(self) -> None:
         """Checks that every joint has its values."""
         count = len(self.joints)
-        for name in ("position", "kp", "kd"):
+        for name in ("position", "kp", "kd", *OVERLAY):
             given = len(getattr(self, name))
-            if given != count:
+            if given != count and (given or name not in OVERLAY):
                 problem = f"has {given} values, and joints has {count}"
                 raise ScenarioError(name, getattr(self, name), problem)
         if len(self.action_scale) not in (1, count):

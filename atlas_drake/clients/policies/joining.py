@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JointActuatorIndex
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from atlas_drake.clients.policies import policy_user, watchdog
+from atlas_drake.clients.policies.description import OVERLAY, PolicyDescription
 from atlas_drake.clients.policies.policy_user import PolicyUser, add_policy
 from atlas_drake.clients.policies.reading import read_policy
 from atlas_drake.clients.policies.watchdog import Watchdog, add_watchdog
@@ -17,11 +20,13 @@ from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.policy_use import PolicyUse
 from atlas_drake.simulation import AtlasSimulation
-from atlas_drake.simulation.sockets import Extend
+from atlas_drake.simulation.sockets import Extend, WorldMaker
 
 
-def policy_extension(use: PolicyUse, robot: Robot) -> Extend:
-    """Returns what adds a policy and its watchdog, which may be off.
+def policy_parts(use: PolicyUse, robot: Robot) -> tuple[Extend, list[WorldMaker]]:
+    """Returns what adds a policy and its watchdog, and what overlays the robot.
+
+    The watchdog may be off; there may be nothing to overlay.
 
     Raises:
         ScenarioError: Naming file and field, if the policy cannot be used.
@@ -44,7 +49,34 @@ def policy_extension(use: PolicyUse, robot: Robot) -> Extend:
         dog = Watchdog(robot, policy.description.period, watches=use.watchdog)
         add_watchdog(builder, station, dog, user)
 
-    return extend
+    description = policy.description
+    overlaid = any(getattr(description, name) for name in OVERLAY)
+    return extend, [overlay(description, robot)] if overlaid else []
+
+
+def overlay(description: PolicyDescription, robot: Robot) -> WorldMaker:
+    """Returns what makes the simulated robot that of a policy's training."""
+    place = {name: index for index, name in enumerate(description.joints)}
+
+    def change(plant: MultibodyPlant) -> None:
+        own = robot.instance(plant)
+        # Before Finalize a plant does not tell the motors of a model.
+        for number in map(JointActuatorIndex, range(plant.num_actuators())):
+            motor = plant.get_joint_actuator(number)
+            joint: Any = motor.joint()
+            index = place.get(joint.name())
+            if index is None or motor.model_instance() != own:
+                continue
+            if description.armature:
+                motor.set_default_gear_ratio(1.0)
+                motor.set_default_rotor_inertia(description.armature[index])
+            if description.damping:
+                joint.set_default_damping(description.damping[index])
+            if description.effort_limit:
+                least = min(description.effort_limit[index], motor.effort_limit())
+                motor.set_effort_limit(least)
+
+    return change
 
 
 class RunningPolicy:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
 
 from atlas_drake.clients.policies.network import Memory
-from atlas_drake.clients.policies.observation import Seen
+from atlas_drake.clients.policies.policy_joints import (
+    History,
+    PolicyJoints,
+    observation_of,
+)
 from atlas_drake.clients.policies.reading import Policy
-from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
-from atlas_drake.messages import AtlasCommand
 from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
@@ -33,7 +34,7 @@ class PolicyState(Frozen):
 
     memory: Memory
     action: np.ndarray  # The last one, shape (m,)
-    seen: tuple[np.ndarray, ...] = ()  # Of each term, the latest values, shape (h, k)
+    seen: History = ()
     actions: int = 0  # Number of them since the policy took its joints
     runs: bool = False  # True while the joints are the policy's
     ended: Event | None = None  # Why it gave them up
@@ -56,7 +57,7 @@ class PolicyUser(CollectableSystem):
 
     Attributes:
         policy: The policy.
-        joints: Indices of its joints in message order.
+        joints: Its joints.
         fastest: Velocity that keys and sticks ask for at their ends, shape (3,).
     """
 
@@ -86,19 +87,13 @@ class PolicyUser(CollectableSystem):
         super().__init__()
         self.policy, self._start = policy, start
         self.fastest = np.array(fastest, dtype=float)
-        description = policy.description
-        try:
-            self.joints = np.array([*map(robot.joint_index, description.joints)])
-        except RobotDescriptionError as error:
-            raise ScenarioError("joints", error.value, error.problem) from None
-        self._position = np.array(description.position)
-        self._action_scale = np.array(description.action_scale)
+        self.joints = PolicyJoints(policy.description, robot, policy.terms)
         self._inputs = [self.declare_value_input(name) for name in _INPUTS]
         self._message = self.declare_value_state(NOTHING, "atlas_command")
         self._velocity = self.DeclareDiscreteState(np.array(velocity, dtype=float))
         self._state = self.declare_value_state(self._at_rest())
         self.DeclarePeriodicUnrestrictedUpdateEvent(
-            description.period, 0.0, self._update
+            policy.description.period, 0.0, self._update
         )
 
     # ---- for clients ---------------------------------------------------------
@@ -131,8 +126,8 @@ class PolicyUser(CollectableSystem):
     # ---- one action ----------------------------------------------------------
 
     def _at_rest(self) -> PolicyState:
-        count = len(self.joints)
-        start = PolicyState(self.policy.network.start(), np.zeros(count))
+        action = np.zeros(len(self.joints.indices))
+        start = PolicyState(self.policy.network.start(), action)
         return read_only(start)
 
     def _update(self, context: Context, state: State) -> None:
@@ -142,12 +137,15 @@ class PolicyUser(CollectableSystem):
         if not last.runs:
             return
         measured, imu, commands = (port.Eval(context) for port in self._inputs)
-        if last.actions and (commands.k_effort[self.joints] < K_EFFORT_MAX).any():
+        shares = commands.k_effort[self.joints.indices]
+        if last.actions and (shares < K_EFFORT_MAX).any():
             self._give_up(context, state, "somebody else has taken its joints")
             return
-        here = self._see(last, measured, imu, self.velocity(context))
-        observation = np.concatenate([values.ravel() for values in here])
-        action, memory = self.policy.network.act(observation, last.memory)
+        velocity = self.velocity(context)
+        here = self.joints.see(
+            measured, imu, last.action, velocity, last.actions, last.seen
+        )
+        action, memory = self.policy.network.act(observation_of(here), last.memory)
         if not np.isfinite(action).all():
             self._give_up(context, state, "its action is not a number")
             return
@@ -155,57 +153,12 @@ class PolicyUser(CollectableSystem):
             last, memory=memory, action=action, seen=here, actions=last.actions + 1
         )
         self._state.set(state, read_only(after, last))
-        self._message.set(state, self._command(action, commands.joints))
+        self._message.set(state, self.joints.command(action, commands.joints))
 
     def _give_up(self, context: Context, state: State, why: str) -> None:
         last, text = self._state.get(context), f"the policy gives its joints up: {why}"
         ended = RunEvent(context.get_time(), POLICY, text)
         self._state.set(state, replace(last, runs=False, ended=ended))
-
-    def _see(
-        self, last: PolicyState, measured: Any, imu: Any, velocity: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """Returns the latest values of each term, scaled, oldest first."""
-        description = self.policy.description
-        seen = Seen(
-            imu=imu,
-            position=np.asarray(measured.position)[self.joints] - self._position,
-            velocity=np.asarray(measured.velocity)[self.joints],
-            action=last.action,
-            desired_velocity=velocity,
-            time=last.actions * description.period,
-            gait_period=description.gait_period,
-        )
-        here = []
-        for index, (term, compute) in enumerate(
-            zip(description.observation, self.policy.terms, strict=True)
-        ):
-            value = np.asarray(term.scale) * compute(seen)
-            before = last.seen[index][1:] if last.seen else [value] * (term.history - 1)
-            here.append(np.array([*before, value]))
-        return tuple(here)
-
-    def _command(self, action: np.ndarray, joints: Any) -> AtlasCommand:
-        """Makes the message of an action; other joints keep what is in force."""
-        description, mine = self.policy.description, self.joints
-        zero = np.zeros(len(mine))
-        values = {
-            "position": self._position + self._action_scale * action,
-            "velocity": zero,
-            "effort": zero,
-            "kp_position": description.kp,
-            "ki_position": zero,
-            "kd_position": zero,
-            "kp_velocity": description.kd,
-            "k_effort": np.full(len(mine), K_EFFORT_MAX),
-        }
-        arrays = {}
-        for name, given in values.items():
-            array = getattr(joints, name).copy()
-            array[mine] = given
-            arrays[name] = array
-        arrays["k_effort"] = arrays["k_effort"].astype(int)
-        return AtlasCommand(**arrays).freeze()
 
 
 def add_policy(builder: DiagramBuilder, station: Diagram, user: PolicyUser) -> None:

@@ -62,8 +62,9 @@ def read_policy(
         description = checked(PolicyDescription, fields)
         if network is None:
             network = Network(path.parent / description.network)
-        known = {**TERMS, **(terms or {})}
-        return Policy(network, description, _terms(description, network, known))
+        functions, sizes = terms_of(description, terms)
+        _check_sizes(description, network, sizes)
+        return Policy(network, description, functions)
     except ScenarioError as error:
         raise error if str(path) in str(error) else error.within(path) from None
 
@@ -71,16 +72,22 @@ def read_policy(
 # ---- sizes -------------------------------------------------------------------
 
 
-def _terms(
-    description: PolicyDescription, network: Network, known: Mapping[str, Term]
-) -> tuple[Term, ...]:
-    """Returns the terms' functions after checking sizes against the network."""
-    count = len(description.joints)
-    if network.action_size != count:
-        problem = f"the network has {network.action_size} actions for {count} joints"
-        raise ScenarioError("joints", description.joints, problem)
-    zero, found, sizes = np.zeros(count), [], []
+def terms_of(
+    description: PolicyDescription, terms: Mapping[str, Term] | None = None
+) -> tuple[tuple[Term, ...], list[int]]:
+    """Returns the functions of the terms, and the size of each for the network.
+
+    Args:
+        description: The policy.
+        terms: Terms of your own, by name, beside ``observation.TERMS``.
+
+    Raises:
+        ScenarioError: If there is no such term, or it has another number of scales.
+    """
+    known = {**TERMS, **(terms or {})}
+    zero = np.zeros(len(description.joints))
     seen = Seen(Imu(), zero, zero, zero, np.zeros(3), 0.0, description.gait_period)
+    functions, sizes = [], []
     for index, term in enumerate(description.observation):
         field = f"observation[{index}]"
         if term.name not in known:
@@ -91,8 +98,19 @@ def _terms(
         if len(term.scale) not in (1, size):
             problem = f"has {len(term.scale)} values, not 1 or {size}"
             raise ScenarioError(f"{field}.scale", term.scale, problem)
-        found.append(known[term.name])
+        functions.append(known[term.name])
         sizes.append(size * term.history)
+    return tuple(functions), sizes
+
+
+def _check_sizes(
+    description: PolicyDescription, network: Network, sizes: list[int]
+) -> None:
+    """Checks the numbers of observations and actions against the network's."""
+    count = len(description.joints)
+    if network.action_size != count:
+        problem = f"the network has {network.action_size} actions for {count} joints"
+        raise ScenarioError("joints", description.joints, problem)
     if sum(sizes) != network.observation_size:
         listed = ", ".join(
             f"{term.name} {size}"
@@ -103,7 +121,6 @@ def _terms(
             f"{sum(sizes)}: {listed}"
         )
         raise ScenarioError("observation", sum(sizes), problem)
-    return tuple(found)
 
 
 # ---- formats of others -------------------------------------------------------

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
+from atlas_drake import AtlasSimulation, PolicyUse, Scenario
 from atlas_drake.clients.policies.policy_user import PolicyUser
 from atlas_drake.clients.policies.reading import read_policy
 from atlas_drake.errors import ScenarioError
@@ -123,6 +124,27 @@ def test_a_network_without_metadata_asks_for_a_description(tmp_path):
         ScenarioError, match="has no metadata joint_names, joint_stiffness"
     ):
         read_policy(save(tmp_path / "p.onnx", [0.0, 0.0]))
+
+
+def test_a_description_makes_the_robot_that_of_the_training(tmp_path):
+    """Its rotors are so heavy that the arm hardly moves."""
+    moved = []
+    raised = {"position": [0.2, -0.6]}
+    for changes in ({}, {"armature": [50.0, 50.0], "effort_limit": [20.0, 1e6]}):
+        file = described(tmp_path, **raised, **changes)
+        sim = AtlasSimulation(Scenario(policy=PolicyUse(file=str(file))))
+        shoulder = sim.robot.joint_index(ARM[0])
+        before = sim.atlas_state.position[shoulder]
+        sim.advance(0.6)
+        moved.append(abs(sim.atlas_state.position[shoulder] - before))
+        assert not sim.has_fallen
+    assert moved[0] > 5.0 * moved[1] > 0.0
+    limits = [
+        sim.plant.get_joint_actuator(number).effort_limit()
+        for number in sim.plant.GetJointActuatorIndices()
+    ]
+    assert 20.0 in limits
+    assert max(limits) < 1e6
 
 
 def test_a_joint_that_the_robot_lacks_is_named(tmp_path):
