@@ -65,6 +65,7 @@ def tick_of(balance, com=(0.0, 0.0), dcm=(0.0, 0.0)):
     pendulum = SimpleNamespace(omega=OMEGA)
     return SimpleNamespace(
         dcm=np.array(dcm),
+        sole=(0.26, 0.12),
         observation=observation,
         pendulum=pendulum,
         balance=balance,

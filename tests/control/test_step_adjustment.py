@@ -11,6 +11,7 @@ from atlas_drake.config import LeastGreatest
 from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     StepAdjustmentLimits,
+    place_for_balance,
     step_shift,
     touchdown_for_balance,
     within_reach,
@@ -73,20 +74,21 @@ STEP = Footstep(1, LEFT, np.array([0.25, 0.15, 0.0]), 0.0, 0.63, 0.1)
 PLANNED, COP = np.array([0.08, -0.05]), np.array([0.0, -0.09])
 """Of the plan now: its DCM, and its CoP until touchdown [m]."""
 REMAINING = 0.3
+SOLE = (0.26, 0.12)
 
 
 def state_with(error):
     return SingleSupportState(
-        PLANNED + error, PLANNED, COP, OMEGA, REMAINING, SENSITIVITY, STANCE
+        PLANNED + error, PLANNED, COP, OMEGA, REMAINING, SENSITIVITY, STANCE, SOLE
     )
 
 
-def touchdown(error, progress=0.2, adjustment=LIMITS, **limits):
+def touchdown(error, progress=0.2, adjustment=LIMITS, foot=(0.0, 0.15), **limits):
     step, remaining, _ = touchdown_for_balance(
         STEP,
         state_with(np.array(error)),
         progress,
-        np.array([0.0, 0.15]),
+        np.array(foot),
         adjustment,
         StepLimits(**limits),
     )
@@ -116,7 +118,7 @@ def test_a_small_error_changes_neither_place_nor_time():
     assert remaining == REMAINING
 
 
-@pytest.mark.parametrize("error", [(0.2, 0.0), (0.0, -0.12)])
+@pytest.mark.parametrize("error", [(0.2, 0.0), (0.0, -0.25)])
 def test_an_error_out_of_reach_hastens_the_swing(error):
     step, remaining = touchdown(error)
     earliest = 0.8 * LIMITS.shortest_swing
@@ -125,6 +127,31 @@ def test_an_error_out_of_reach_hastens_the_swing(error):
     # Late in the swing there is less to win.
     _, late = touchdown(error, progress=0.9)
     assert late <= remaining
+
+
+def test_a_push_over_the_stance_foot_crosses_the_legs_ahead_of_it():
+    step, _ = touchdown([0.0, -0.12], foot=(0.25, 0.15))
+    ahead, left, _ = step.p_WF - STANCE.p_WF
+    assert ahead >= SOLE[0] + LIMITS.clearance - 1e-12
+    assert -LIMITS.crossing <= left < 0.0
+    uncrossed = replace(LIMITS, crossing=0.0)
+    assert touchdown([0.0, -0.12], adjustment=uncrossed)[0].p_WF[1] >= STANCE.p_WF[1]
+    # From beside the stance foot the way would lead over it.
+    step, _ = touchdown([0.0, -0.12], foot=(0.0, 0.15))
+    assert step.p_WF[1] > STANCE.p_WF[1]
+
+
+@given(error=ERRORS, yaw=YAWS)
+def test_soles_never_overlap(error, yaw):
+    stance = replace(STANCE, R_WF=rotation_z(yaw))
+    state = replace(state_with(error), stance=stance)
+    there = replace(STEP, p_WF=STEP.p_WF + np.append(error, 0.0), yaw=yaw)
+    foot = np.array([0.0, 0.15])
+    step = place_for_balance(there, state, foot, LIMITS, StepLimits())
+    ahead, left, _ = stance.R_WF.T @ (step.p_WF - stance.p_WF)
+    length, width = SOLE
+    gap = max(abs(ahead) - length, abs(left) - width)
+    assert gap >= LIMITS.clearance - 1e-9
 
 
 def test_within_reach_haste_is_weighed_against_the_shift_that_it_saves():

@@ -76,6 +76,12 @@ class WalkTick:
         return feedback.dcm(self.observation.terms, self.pendulum.omega)
 
     @property
+    def sole(self) -> tuple[float, float]:
+        """Length and width of a sole [m]."""
+        sole = self.balance.robot.file.sole
+        return sole.length, sole.width
+
+    @property
     def half_length(self) -> float:
         """Half the length of a sole [m]."""
         return self.balance.robot.file.sole.length / 2

@@ -43,6 +43,7 @@ def recovery_step(
             remaining=remaining,
             sensitivity=1.0,
             stance=stance,
+            sole=tick.sole,
         )
         return touchdown_for_balance(
             step,

@@ -210,6 +210,7 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
         remaining=remaining,
         sensitivity=phase.accepted_sensitivity,
         stance=phase.stance,
+        sole=tick.sole,
     )
     moved, left, _ = touchdown_for_balance(
         step,

@@ -15,13 +15,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.config import Configuration, NotNegative, Positive
+from atlas_drake.config import Configuration, LeastGreatest, NotNegative, Positive
 from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
+from atlas_drake.rotations import rotation_z
 from atlas_drake.units import Meters, MetersPerSecond, Ratio, Seconds
 
+_WAY = np.linspace(0.0, 1.0, 9)
+"""Places on the way of a foot at which it must not be over the other one."""
 _TIMES = 9
 """Times of touchdown that are compared: a resolution of some 20 ms."""
 
@@ -47,6 +50,13 @@ class StepAdjustmentLimits(Configuration):
     ahead, back and outward."""
     reach: Positive[Meters] = 0.70
     """Largest distance between the feet after a step for balance."""
+    clearance: NotNegative[Meters] = 0.02
+    """Least gap between the soles after a step for balance."""
+    crossing: NotNegative[Meters] = 0.14
+    """Distance beyond the line of the stance foot to which a foot may land ahead of it
+    or behind it. A push over the stance foot, where the legs would have to pass through
+    each other, is caught only so: with both feet on one line, or crossed, the next step
+    leads from where the push has brought the robot."""
     shortest_swing: Positive[Seconds] = 0.20
     """Duration of the fastest swing that balance may demand. A swing that has begun
     slower takes the same share of it for the rest of its path."""
@@ -99,6 +109,7 @@ class SingleSupportState:
     remaining: float  # Time to the planned touchdown [s]
     sensitivity: float  # ∂(DCM planned for touchdown)/∂(landing place) [-]
     stance: FootPose  # The foot on the ground
+    sole: tuple[float, float]  # Its length and width [m]
 
     def error(self, remaining: float) -> np.ndarray:
         """Computes ξ - ξ_ref now if touchdown comes after ``remaining`` [m], (2,).
@@ -118,6 +129,48 @@ def within_reach(step: Footstep, stance: FootPose, reach: float) -> Footstep:
         return step
     ahead[:2] *= reach / distance
     return replace(step, p_WF=stance.p_WF + ahead)
+
+
+def place_for_balance(
+    step: Footstep,
+    state: SingleSupportState,
+    foot: np.ndarray,
+    adjustment: StepAdjustmentLimits,
+    limits: StepLimits,
+) -> Footstep:
+    """Returns the nearest step that can be taken: beside the stance foot, or across it.
+
+    Feet beside each other are as near as their soles allow. Ahead of the stance foot,
+    or behind it, a foot may land on its line and beyond, if its straight way there from
+    ``foot``, horizontal in W [m], does not lead over the stance foot.
+    """
+    stance, (length, width) = state.stance, state.sole
+    narrowest, widest = limits.width
+    narrow = width + adjustment.clearance
+    beside = LeastGreatest(min(narrowest, narrow), widest)
+    across = LeastGreatest(-adjustment.crossing, widest)
+    forth = rotation_z(stance.yaw)[:, 0]
+    ahead = float(forth @ (step.p_WF - stance.p_WF))
+    past = length + adjustment.clearance
+
+    def within(width: LeastGreatest, x: float) -> Footstep:
+        there = replace(step, p_WF=step.p_WF + (x - ahead) * forth)
+        saturated = saturate(there, stance, replace(limits, width=width))
+        return within_reach(saturated, stance, adjustment.reach)
+
+    def is_clear(place: Footstep) -> bool:
+        way = foot + _WAY[:, None] * (place.p_WF[:2] - foot)
+        x, y = np.abs((way - stance.p_WF[:2]) @ rotation_z(stance.yaw)[:2, :2]).T
+        return bool(((x >= length) | (y >= width)).all())
+
+    near = within(beside, ahead)
+    places = [within(across, x) for x in (max(ahead, past), min(ahead, -past))]
+    places = [near, *filter(is_clear, places)]
+    return min(places, key=lambda one: _apart(one, step))
+
+
+def _apart(one: Footstep, other: Footstep) -> float:
+    return float(np.hypot(*(one.p_WF - other.p_WF)[:2]))
 
 
 class Touchdown(NamedTuple):
@@ -161,9 +214,9 @@ def touchdown_for_balance(
         if not shift.any():
             return Touchdown(step, remaining, hasty)
         desired = step.p_WF + np.append(shift, 0.0)
-        moved = saturate(replace(step, p_WF=desired), state.stance, limits)
-        moved = within_reach(moved, state.stance, adjustment.reach)
-        missing = float(np.hypot(*(desired - moved.p_WF)[:2]))
+        wanted = replace(step, p_WF=desired)
+        moved = place_for_balance(wanted, state, foot, adjustment, limits)
+        missing = _apart(wanted, moved)
         far = adjustment.shift_cost * float(np.hypot(*shift))
         return Touchdown(moved, remaining, missing + far + hasty)
 
