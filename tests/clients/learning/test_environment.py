@@ -1,6 +1,7 @@
 """Environments of Gymnasium, and what is learned there as a policy."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -122,6 +123,20 @@ def test_layers_that_do_not_fit_are_refused(tmp_path):
     wrong = (np.zeros((6, 3)), np.zeros(3))
     with pytest.raises(ScenarioError, match="do not fit"):
         save_policy(tmp_path / "x.onnx", [wrong], make().description)
+
+
+@pytest.mark.slow
+def test_the_example_learns_and_its_policy_runs(tmp_path, run_program):
+    out = tmp_path / "balance.onnx"
+    program = Path(__file__).parents[3] / "examples" / "learning" / "balance.py"
+    brief = ["--minutes", "0.01", "--jobs", "1", "--trials", "1", "--out", str(out)]
+    status, told = run_program(program, *brief)
+    assert status == 0
+    assert "with the policy" in told
+    user = PolicyUse(file=str(out), start=0.0)
+    sim = AtlasSimulation(Scenario(initial_behavior="USER", policy=user))
+    sim.advance(1.0)
+    assert not sim.has_fallen
 
 
 @pytest.mark.slow
