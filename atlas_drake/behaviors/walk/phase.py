@@ -84,7 +84,7 @@ class WalkTick:
     @property
     def half_length(self) -> float:
         """Half the length of a sole [m]."""
-        return self.balance.robot.file.sole.length / 2
+        return self.sole[0] / 2
 
     def support(
         self, feet: tuple[FootPose, FootPose], on_toes: int | None = None
