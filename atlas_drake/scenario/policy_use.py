@@ -11,10 +11,12 @@ from atlas_drake.config import Configuration, NotNegative
 from atlas_drake.errors import ScenarioError
 from atlas_drake.units import Ratio, Seconds
 
-FASTEST = 10.0
-"""Largest velocity that can be asked for [m/s, rad/s]."""
+LARGEST = 10.0
+"""Largest velocity that a scenario may ask for [m/s, rad/s]."""
+STICK = (0.8, 0.4, 0.8)
+"""Usual velocity that a stick asks for at its end: ahead, left [m/s], turn [rad/s]."""
 Velocity = Annotated[
-    list[Annotated[Ratio, Interval(ge=-FASTEST, le=FASTEST)]], Len(3, 3)
+    list[Annotated[Ratio, Interval(ge=-LARGEST, le=LARGEST)]], Len(3, 3)
 ]
 """Desired velocity: ahead, to the left [m/s], and of turning [rad/s]."""
 
@@ -30,7 +32,7 @@ class PolicyUse(Configuration):
     """Its joints in its own order, where the file does not name them."""
     velocity: Velocity = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Velocity that it is asked for at first: ahead, left [m/s], turn [rad/s]."""
-    fastest: Velocity = field(default_factory=lambda: [0.8, 0.4, 0.8])
+    fastest: Velocity = field(default_factory=lambda: [*STICK])
     """Velocity that keys and sticks of the cockpit ask for at their ends, likewise."""
     start: NotNegative[Seconds] = 0.3
     """Time at which it takes its joints; the robot stands by then."""

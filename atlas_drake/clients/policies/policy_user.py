@@ -19,6 +19,7 @@ from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages.event import Event, RunEvent
 from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.policy_use import STICK
 from atlas_drake.simulation.sockets import CollectableSystem
 
 SYSTEM = "policy"
@@ -69,7 +70,7 @@ class PolicyUser(CollectableSystem):
         robot: Robot,
         *,
         velocity: Sequence[float] = (0.0, 0.0, 0.0),
-        fastest: Sequence[float] = (0.8, 0.4, 0.8),
+        fastest: Sequence[float] = STICK,
         start: float = 0.0,
     ):
         """Makes the system.

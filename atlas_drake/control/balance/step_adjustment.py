@@ -149,7 +149,8 @@ def place_for_balance(
     narrow = width + adjustment.clearance
     beside = LeastGreatest(min(narrowest, narrow), widest)
     across = LeastGreatest(-adjustment.crossing, widest)
-    forth = rotation_z(stance.yaw)[:, 0]
+    R_WS = rotation_z(stance.yaw)
+    forth = R_WS[:, 0]
     ahead = float(forth @ (step.p_WF - stance.p_WF))
     past = length + adjustment.clearance
 
@@ -160,7 +161,7 @@ def place_for_balance(
 
     def is_clear(place: Footstep) -> bool:
         way = foot + _WAY[:, None] * (place.p_WF[:2] - foot)
-        x, y = np.abs((way - stance.p_WF[:2]) @ rotation_z(stance.yaw)[:2, :2]).T
+        x, y = np.abs((way - stance.p_WF[:2]) @ R_WS[:2, :2]).T
         return bool(((x >= length) | (y >= width)).all())
 
     near = within(beside, ahead)
