@@ -10,7 +10,6 @@ from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.recovery_steps import (
-    needs_square_up,
     recovery_step,
     square_up_step,
 )
@@ -142,37 +141,10 @@ def test_the_same_error_moves_a_step_only_once(balance, observe, known):
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_a_square_up_step_puts_the_feet_side_by_side(balance, foot):
-    feet, turned = list(FEET), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
-    feet[1 - foot] = FootPose(np.array([1.0, 0.0, 0.1]), turned)
-    progress = WalkProgress(tuple(feet), FEET, (), 5, None, CONFIG)
-    step = square_up_step(progress, 1 - foot, tick_of(balance))
+    landing = Footstep(4, 1 - foot, np.array([1.0, 0.0, 0.1]), np.pi / 2)
+    step = square_up_step(landing, tick_of(balance))
     # The other foot points along y, and its left is along -x.
     side = outward(foot) * -balance.stance.width
     np.testing.assert_allclose(step.p_WF, [1.0 + side, 0.0, 0.1], atol=1e-12)
     assert step.yaw == pytest.approx(np.pi / 2)
     assert (step.foot, step.index) == (foot, 5)
-
-
-@pytest.mark.parametrize("last", [LEFT, RIGHT])
-@pytest.mark.parametrize(
-    ("apart", "recovered", "needed"),
-    [(0.2, True, True), (0.02, True, False), (0.2, False, False)],
-)
-def test_feet_that_stand_apart_after_a_recovery_step_need_one_more(
-    balance, last, apart, recovered, needed
-):
-    feet = list(FEET)
-    beside = [-apart, outward(1 - last) * balance.stance.width, 0.0]
-    feet[1 - last] = FootPose(feet[last].p_WF + beside, np.eye(3))
-    progress = WalkProgress(
-        tuple(feet),
-        FEET,
-        (),
-        2,
-        None,
-        CONFIG,
-        last_foot=last,
-        last_index=1,
-        recovery_index=1 if recovered else 0,
-    )
-    assert needs_square_up(progress, tick_of(balance)) is needed

@@ -70,7 +70,7 @@ class WalkRules(Configuration):
     """Time to load the other foot before such a lift-off."""
     feet_apart: NotNegative[Meters] = 0.05
     """Distance of a foot from its place beside the other one, from which it is put
-    there after a step that caught the balance."""
+    there once the balance is caught."""
     longest_wait: NotNegative[Seconds] = 0.25
     """Longest delay of lift-off until the DCM error is small enough."""
     straight_flexion: NotNegative[Radians] = 0.12
@@ -111,9 +111,8 @@ class StepsInPlace(Configuration):
     height: Positive[Ratio] = 0.5
     """Apex of the swings, in that of usual steps."""
     quiet_speed: NotNegative[MetersPerSecond] = 0.25
-    """Speed of the center of mass at touchdown from which no further step is needed."""
-    quiet_apart: NotNegative[Meters] = 0.45
-    """Distance between the feet from which none is needed."""
+    """Speed of the center of mass at touchdown below which a usual step, which puts the
+    feet side by side, is the last; none if they are."""
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,6 @@ class Decision(Enum):
     LAND = "The foot in the air has landed."
     STOP = "No step can be taken: the robot comes to rest over both feet."
     SHIFT_WEIGHT = "Steps have come: the weight shifts to the next stance foot."
-    SQUARE_UP = "The feet stand apart after a recovery step: one of them steps once."
     FINISH = "The robot is at rest: the walk is over."
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from atlas_drake.behaviors.walk.phase import WalkTick
 from atlas_drake.behaviors.walk.steps import WalkProgress
 from atlas_drake.control.balance.step_adjustment import (
@@ -13,7 +11,7 @@ from atlas_drake.control.balance.step_adjustment import (
     Touchdown,
     touchdown_for_balance,
 )
-from atlas_drake.control.feet.footstep import landing_error, outward
+from atlas_drake.control.feet.footstep import outward
 from atlas_drake.messages.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.rotations import rotation_z
 
@@ -64,23 +62,6 @@ def may_step_again(progress: WalkProgress, tick: WalkTick) -> bool:
     return foot is not None and recovery_step(progress, tick).foot == foot
 
 
-def needs_square_up(progress: WalkProgress, tick: WalkTick) -> bool:
-    """Returns True if the feet stand apart after a recovery step."""
-    if not progress.last_was_recovery or progress.last_foot is None:
-        return False
-    step = square_up_step(progress, progress.last_foot, tick)
-    away = landing_error(step, progress.feet[step.foot])
-    return away >= tick.config.rules.feet_apart
-
-
-def square_up_step(progress: WalkProgress, other: int, tick: WalkTick) -> Footstep:
-    """Makes the step that puts a foot beside the ``other`` one."""
-    config, index = tick.config, progress.next_index
-    usual, width = config.steps.duration, tick.balance.stance.width
-    stance, height = progress.feet[other], config.swing.height
-    return _beside(stance, index, 1 - other, width, usual, height)
-
-
 def step_in_place(landing: Footstep, tick: WalkTick) -> Footstep:
     """Makes the quick step of the other foot that follows a ``landing``."""
     config, in_place = tick.config, tick.config.in_place
@@ -90,13 +71,18 @@ def step_in_place(landing: Footstep, tick: WalkTick) -> Footstep:
     return _beside(landing.pose, index, 1 - landing.foot, width, shortest, height)
 
 
-def is_quiet(progress: WalkProgress, tick: WalkTick) -> bool:
-    """Returns True if the robot comes to rest on its feet without another step."""
-    left, right = (foot.p_WF[:2] for foot in progress.feet)
+def square_up_step(landing: Footstep, tick: WalkTick) -> Footstep:
+    """Makes the usual step that puts the other foot beside that of a ``landing``."""
+    config, index = tick.config, landing.index + 1
+    usual, width = config.steps.duration, tick.balance.stance.width
+    height = config.swing.height
+    return _beside(landing.pose, index, 1 - landing.foot, width, usual, height)
+
+
+def is_quiet(tick: WalkTick) -> bool:
+    """Returns True if the robot comes to rest without another quick step."""
     vx, vy, _ = tick.observation.terms.com_velocity.tolist()
-    in_place = tick.config.in_place
-    apart = float(np.hypot(*(left - right)))
-    return apart < in_place.quiet_apart and math.hypot(vx, vy) < in_place.quiet_speed
+    return math.hypot(vx, vy) < tick.config.in_place.quiet_speed
 
 
 def _beside(

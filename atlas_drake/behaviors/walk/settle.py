@@ -9,7 +9,6 @@ import numpy as np
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.walk.config import GaitTiming
 from atlas_drake.behaviors.walk.phase import Decision, WalkPhase, WalkTick
-from atlas_drake.behaviors.walk.recovery_steps import needs_square_up
 from atlas_drake.messages import WalkStatus
 
 
@@ -21,17 +20,13 @@ class Settle(WalkPhase):
         """Is the walk over?
 
         It is when the robot is at rest and no step can be taken. If the DCM is lost, or
-        a push has lifted a foot, a step catches it; once at rest, the other foot is put
-        beside that step's foot.
+        a push has lifted a foot, a step catches it.
         """
         if self.has_lost_dcm(tick) or self.airborne(tick) is not None:
             return Decision.CATCH
-        at_rest = self._is_at_rest(tick)
-        if at_rest and needs_square_up(self.progress, tick):
-            return Decision.SQUARE_UP
         if self.progress.coming:
             return Decision.SHIFT_WEIGHT
-        return Decision.FINISH if at_rest else Decision.STAY
+        return Decision.FINISH if self._is_at_rest(tick) else Decision.STAY
 
     @property
     def obstacle(self) -> str:

@@ -32,7 +32,7 @@ from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     touchdown_for_balance,
 )
-from atlas_drake.control.feet.footstep import way_around
+from atlas_drake.control.feet.footstep import landing_error, way_around
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch, pitch_from, pitched_pose
 from atlas_drake.control.feet.swing_foot import begin_swing, swing_from_the_air
 from atlas_drake.frozen import replace
@@ -72,8 +72,6 @@ def next_phase(
             return catch(phase, tick)
         case Swing(), Decision.LAND:
             return land(phase, tick)
-        case Settle(), Decision.SQUARE_UP:
-            return square_up(phase, tick), ()
         case Settle(), Decision.FINISH:
             return phase, steps_left_out(phase, tick)
     raise AssertionError(f"{phase} decides {decision}")
@@ -275,15 +273,18 @@ def land(phase: Swing, tick: WalkTick) -> tuple[Transfer | Settle, Events]:
 def _go_on_in_place(
     progress: WalkProgress, landing: Footstep, tick: WalkTick
 ) -> WalkProgress:
-    """Returns the progress with another step in place; with none once it is quiet."""
-    if is_quiet(progress, tick):
-        return replace(progress, pending=(), in_place=0)
-    following = step_in_place(landing, tick)
+    """Returns the progress with another step in place, or the last one once quiet."""
+    left, following = progress.in_place - 1, step_in_place(landing, tick)
+    if is_quiet(tick):
+        left, following = 0, square_up_step(landing, tick)
+        away = landing_error(following, progress.feet[following.foot])
+        if away < tick.config.rules.feet_apart:
+            return replace(progress, pending=(), in_place=0)
     return replace(
         progress,
         pending=(following,),
         recovery_index=following.index,
-        in_place=progress.in_place - 1,
+        in_place=left,
     )
 
 
@@ -339,17 +340,6 @@ def shift_weight(
         first_duration=duration,
         from_rest=True,
     )
-
-
-def square_up(phase: Settle, tick: WalkTick) -> Transfer:
-    """Makes the weight shift before the square-up step."""
-    progress, now = phase.progress, phase.planned
-    assert progress.last_foot is not None  # A recovery step came before.
-    step = square_up_step(progress, progress.last_foot, tick)
-    progress = replace(
-        progress, pending=progress.beginning_with(step), recovery_index=step.index
-    )
-    return shift_weight(progress, now.dcm, now.cop, tick)
 
 
 def steps_left_out(phase: Settle, tick: WalkTick) -> Events:
