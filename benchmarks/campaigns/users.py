@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ WATCHED = 6.0
 """Time after the moment until which the robot is watched [s]."""
 QUIET = 0.04
 """Largest speed of the CoM of a robot at rest [m/s]."""
-ENDS = ("none", "stand", "dies")
+ENDS = ("none", "stand", "manipulate", "walk", "dies")
 
 
 def used(
@@ -45,7 +46,8 @@ def used(
         sim: A robot that stands; with the scenario's policy, if it has one.
         parameters: ``speed`` asked for [m/s]; ``moment`` [s]; ``push``, a change of
             the robot's velocity then [m/s], and its ``direction`` [rad]; ``end``, what
-            else comes then: ``none``, ``stand`` (STAND takes all joints) or ``dies``
+            else comes then: ``none``, ``stand``, ``manipulate`` or ``walk`` (that
+            behavior takes all joints; WALK goes on at the same speed), or ``dies``
             (the policy falls silent); ``guard``, a tilt of the pelvis at which STAND
             takes over [rad], 0 for none.
 
@@ -67,9 +69,12 @@ def used(
         sim.advance_to(min(sim.time + STEERED, moment))
     before = not sim.has_fallen
     _push(sim, float(parameters["push"]), float(parameters["direction"]))
-    if end == "stand":
+    if end == "walk":
+        policy = None
+        _walk_on(sim, policy, speed)
+    elif end in ("stand", "manipulate"):
         walks = False
-        _take_over(sim)
+        _take_over(sim, Behavior[end.upper()])
     elif end == "dies":
         walks = False
         if policy is None:
@@ -83,7 +88,7 @@ def used(
             next_command += STEERED
         if walks and guard and _tilt(sim) > guard:
             walks, taken = False, True
-            _take_over(sim)
+            _take_over(sim, Behavior.STAND)
         sim.advance(LOOK)
         moves = float(np.linalg.norm(sim.record.balance.com_velocity))
         rests = sim.current_behavior is Behavior.STAND and moves < QUIET
@@ -99,12 +104,12 @@ def _walk_on(sim: AtlasSimulation, policy: RunningPolicy | None, speed: float) -
         velocity = nearest_velocity(forward=speed, gait=gait)
         command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
         if command is not None:
-            sim.publish(command)
+            sim.publish(replace(command, k_effort=[0] * sim.robot.num_joints))
 
 
-def _take_over(sim: AtlasSimulation) -> None:
+def _take_over(sim: AtlasSimulation, behavior: Behavior) -> None:
     none = [0] * sim.robot.num_joints
-    sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=none))
+    sim.publish(AtlasSimInterfaceCommand(behavior=behavior, k_effort=none))
 
 
 def _push(sim: AtlasSimulation, size: float, direction: float) -> None:
