@@ -92,7 +92,7 @@ class BarePlant:
             MultibodyPlantConfig(
                 time_step=BARE_STEP,
                 discrete_contact_approximation=scenario.plant.discrete_contact_approximation,
-                contact_model="point",
+                contact_model="hydroelastic_with_fallback",
                 # As in the station; sampled ports would add their cost to each step.
                 use_sampled_output_ports=False,
             ),

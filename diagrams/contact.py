@@ -1,13 +1,16 @@
-"""The contact of shapes: dissipation at which things rest.
+"""The contact of shapes: surfaces where things lie and are held, points elsewhere.
 
-Point contact has one contact point, which jumps between the corners of a box at rest.
-With Drake's default dissipation a box of 3 kg sinks 30 mm/s into its table at steps of
-3 ms. Shapes that give their own dissipation keep it.
+Things beside the robot are compliant, robot and ground are rigid: whatever touches a
+thing touches it with a surface, and soles touch the ground at points, which is faster.
+With one contact point, which jumps between the corners of a box at rest, a crate of
+10 kg turns by 0.8° a second, and swings about the line between two hands that hold it.
+What a shape's file gives counts.
 """
 
 from __future__ import annotations
 
 from pydrake.geometry import (
+    AddRigidHydroelasticProperties,
     ProximityProperties,
     Role,
     RoleAssign,
@@ -19,25 +22,34 @@ from pydrake.multibody.plant import MultibodyPlant
 from atlas_drake.robot import Robot
 
 RESTING = 5.0
-"""Dissipation of a shape without one of its own [s/m]: boxes of 0.3 to 40 kg sink by
-1 mm at most, and nothing rebounds faster than at 0.2 m/s."""
-_PROPERTY = ("material", "hunt_crossley_dissipation")
+"""Dissipation of a thing's shape [s/m]: boxes of 0.3 to 40 kg sink by 1 mm at most, and
+nothing rebounds faster than at 0.2 m/s."""
+STIFFNESS = 5e6
+"""Hydroelastic modulus of a thing's shape [Pa], that of hard rubber."""
+RESOLUTION = 0.03
+"""Length of a surface's edges [m], of a hand's capsule for example."""
+_COMPLIANCE = ("hydroelastic", "compliance_type")
+_DISSIPATION = ("material", "hunt_crossley_dissipation")
 
 
 def scene_graph_config() -> SceneGraphConfig:
-    """Returns Drake's configuration with the dissipation at which things rest."""
+    """Returns Drake's configuration with things that are compliant, and rest."""
     config = SceneGraphConfig()
-    config.default_proximity_properties.hunt_crossley_dissipation = RESTING
+    defaults = config.default_proximity_properties
+    defaults.compliance_type = "compliant"
+    defaults.hydroelastic_modulus = STIFFNESS
+    defaults.resolution_hint = RESOLUTION
+    defaults.hunt_crossley_dissipation = RESTING
     return config
 
 
-def set_robot_dissipation(
+def set_robot_material(
     plant: MultibodyPlant, scene_graph: SceneGraph, robot: Robot
 ) -> None:
-    """Gives the robot's shapes Drake's default in contact with anything else.
+    """Makes the robot's shapes rigid, with Drake's default dissipation in contact.
 
-    Of two shapes of equal stiffness the mean of their dissipations counts. Called
-    before Finalize.
+    Of two shapes of equal stiffness that touch at a point the mean of their
+    dissipations counts. Called before Finalize.
     """
     drakes = SceneGraphConfig().default_proximity_properties.hunt_crossley_dissipation
     inspector = scene_graph.model_inspector()
@@ -45,8 +57,10 @@ def set_robot_dissipation(
         frame = plant.GetBodyFrameIdOrThrow(index)
         for shape in inspector.GetGeometries(frame, Role.kProximity):
             properties = ProximityProperties(inspector.GetProximityProperties(shape))
-            if not properties.HasProperty(*_PROPERTY):
-                properties.AddProperty(*_PROPERTY, 2.0 * drakes - RESTING)
-                scene_graph.AssignRole(
-                    plant.get_source_id(), shape, properties, RoleAssign.kReplace
-                )
+            if not properties.HasProperty(*_COMPLIANCE):
+                AddRigidHydroelasticProperties(RESOLUTION, properties)
+            if not properties.HasProperty(*_DISSIPATION):
+                properties.AddProperty(*_DISSIPATION, 2.0 * drakes - RESTING)
+            scene_graph.AssignRole(
+                plant.get_source_id(), shape, properties, RoleAssign.kReplace
+            )

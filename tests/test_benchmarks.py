@@ -89,39 +89,6 @@ def test_speed_has_the_figures_promised(load, monkeypatch):
         assert 0.0 < spread["low"] <= spread["median"] == result[name] <= spread["high"]
 
 
-@pytest.mark.slow
-def test_contact_models_are_compared(load, monkeypatch, tmp_path):
-    models = load("contact_models")
-    monkeypatch.setattr(models, "APPROXIMATIONS", ("sap",))
-    monkeypatch.setattr(models, "PIECE", 0.1)
-    monkeypatch.setattr(models, "DURATION", 0.2)
-    path = tmp_path / "figures.json"
-    command = "contact_models --model atlas --runs 1 --seed 1 --parts stand speed"
-    monkeypatch.setattr(sys, "argv", [*command.split(), "--json", str(path)])
-    assert models.main() == 0
-    figures = json.loads(path.read_text())["figures"]["atlas"]
-    assert set(figures) == {"sap"}
-    found = figures["sap"]
-    assert found["speed bare quotient"] == found["stand ok"] == [1.0]
-    assert 0.0 < found["stand slip"][0] < 0.04
-    assert found["speed bare"][0] > 0.0
-    assert found["speed closed"][0] > 0.0
-
-
-def test_contact_models_make_a_table(load):
-    models = load("contact_models")
-    figures = {
-        "lagged": {"walk slip": [0.0012, 0.0034], "walk ok": [1.0, 0.0]},
-        "sap": {"walk ok": [1.0, 1.0]},
-    }
-    assert models.table(figures) == [
-        "| | lagged | sap |",
-        "| --- | --- | --- |",
-        "| sole's slip in single support, max [mm] | 3.40 | – |",
-        "| walks that succeed [%] | 50 | 100 |",
-    ]
-
-
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
     if name.startswith("robot"):

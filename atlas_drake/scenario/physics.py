@@ -49,9 +49,13 @@ def on_common_grid(physics_step: float, control_period: float) -> tuple[float, f
 
 
 def plant_config(**fields: Any) -> MultibodyPlantConfig:
-    """Returns the default, point contact with exact friction cones, with changes."""
+    """Returns the default with changes.
+
+    The default has exact friction cones, and surfaces in contact with whatever is
+    compliant: things beside the robot, see ``diagrams.contact``.
+    """
     own = {
-        "contact_model": "point",
+        "contact_model": "hydroelastic_with_fallback",
         "discrete_contact_approximation": "similar",
         # Sampled ports would make the plant's step an unrestricted update, which could
         # not read the result of the controller's update at the same instant.
