@@ -68,6 +68,7 @@ CONTROLLER_INPUTS = (
     "state",
     "foot_loads",
     "foot_wrenches",
+    "hand_wrenches",
     "user_forecast",
     "commands",
     "imu",

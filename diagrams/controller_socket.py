@@ -11,6 +11,8 @@ port                           value
 ``planned_paths``     output   ``PlannedPaths``, computed when viewers and logs read it
 ``state``             input    measured (or estimated) q and v, in plant order
 ``foot_loads``        input    normal forces on left and right foot [N], shape (2,)
+``foot_wrenches``     input    contact wrenches on both soles, see ``RobotSensors``
+``hand_wrenches``     input    wrenches on both hands, likewise
 ``user_forecast``     input    ``UserForecast``, the user's law during the next tick
 ``commands``          input    ``ActiveCommand``, k_effort and requests among them
 ``imu``               input    ``Imu``

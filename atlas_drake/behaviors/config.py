@@ -31,6 +31,7 @@ from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.config import Configuration, LeastGreatest, checked, declared
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body.hand_loads import HandLoads
 from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import (
@@ -62,6 +63,8 @@ class ControllerConfig(Configuration):
     """Conditions under which STAND can take over."""
     fall: FallLimits = field(default_factory=FallLimits)
     """Posture that counts as a fall."""
+    hand_loads: HandLoads = field(default_factory=HandLoads)
+    """How what the hands carry becomes part of the model."""
     freeze: FreezeConfig = field(default_factory=FreezeConfig)
     stand: StandConfig = field(default_factory=StandConfig)
     walk: WalkConfig = field(default_factory=WalkConfig)

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
-from pydrake.multibody.tree import FrameIndex
+from pydrake.multibody.tree import BodyIndex, FrameIndex
 from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.control.wrenches import shift_to_frames
@@ -21,6 +21,7 @@ from atlas_drake.rotations import rotation_matrix
 from atlas_drake.systems.contact_forces import contact_wrenches, shapes_of
 from atlas_drake.systems.imu import ImuModel, NoisySystem
 from atlas_drake.systems.sensor_noise import NoiseModel, SensorNoise
+from atlas_drake.units import GRAVITY
 
 _GAINS = [field.name for field in fields(Gains)]
 
@@ -44,9 +45,11 @@ class RobotSensors(NoisySystem):
             (2,), one control tick ago.
         foot_wrenches: Contact wrenches on both feet, in W at the sole's center
             [N·m; N], shape (12,), at the instant of ``foot_loads``.
-        hand_wrenches: Contact wrenches on both hands, in W at their body origins
-            [N·m; N], shape (12,), likewise; zero for a robot without hands.
-        contact_wrenches: The same four wrenches, all about W's origin, shape (24,).
+        hand_wrenches: Wrenches on both hands, in W at their body origins [N·m; N],
+            shape (12,), of contacts and of the weight of other models that are welded
+            to them; zero for a robot without hands.
+        contact_wrenches: The wrenches of contacts on feet and hands, all about W's
+            origin, shape (24,).
         atlas_state: ``AtlasState``
         imu: ``Imu``
         sensor_noise: ``SensorNoise`` in force, for measurements that are made later.
@@ -80,8 +83,11 @@ class RobotSensors(NoisySystem):
             plant.GetBodyByName(name, own).body_frame().index()
             for name in robot.file.hands
         ]
-        for body, hand in robot.hand_bodies(plant).items():
-            self._bodies[body] = len(feet) + hand
+        tools = []
+        for index, hand in robot.hand_bodies(plant).items():
+            self._bodies[index] = len(feet) + hand
+            if plant.get_body(BodyIndex(index)).model_instance() != own:
+                tools.append((hand, index))
         self._shapes = shapes_of(plant, self._bodies)
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
@@ -115,14 +121,14 @@ class RobotSensors(NoisySystem):
             lambda context: self._sampled(context)[[5, 11]],
             {self.xd_ticket()},
         )
-        for name, part, frames in (
-            ("foot_wrenches", slice(0, 12), robot.soles(plant)),
-            ("hand_wrenches", slice(12, 24), hands),
+        for name, part, frames, hung in (
+            ("foot_wrenches", slice(0, 12), robot.soles(plant), []),
+            ("hand_wrenches", slice(12, 24), hands, tools),
         ):
             self.declare_vector_output(
                 name,
                 12,
-                partial(self._shifted, part, frames),
+                partial(self._shifted, part, frames, hung),
                 {self.xd_ticket(), state_ticket},
             )
         self.DeclarePeriodicDiscreteUpdateEvent(
@@ -170,18 +176,31 @@ class RobotSensors(NoisySystem):
         return context.get_discrete_state(self._wrenches).value()
 
     def _shifted(
-        self, part: slice, frames: Sequence[FrameIndex], context: Context
+        self,
+        part: slice,
+        frames: Sequence[FrameIndex],
+        hung: Sequence[tuple[int, int]],
+        context: Context,
     ) -> np.ndarray:
-        """Computes a part of the wrenches, each about the origin of its frame."""
-        wrenches = self._sampled(context)[part].copy()
-        if wrenches.any():
+        """Computes a part of the wrenches, each about the origin of its frame.
+
+        The weight of bodies that are ``hung`` on one of the frames counts: each has the
+        place of its frame and its own index in the plant.
+        """
+        wrenches, plant = self._sampled(context)[part].copy(), self._plant
+        if hung or wrenches.any():
             scratch = self._scratch.Eval(context)
-            self._plant.SetPositions(
+            plant.SetPositions(
                 scratch, self._instance, self._state.Eval(context)[: self._num_q]
             )
-            shift_to_frames(
-                wrenches.reshape(-1, 6), map(self._plant.get_frame, frames), scratch
-            )
+            of_frames = wrenches.reshape(-1, 6)
+            for place, index in hung:
+                body = plant.get_body(BodyIndex(index))
+                X_WB = plant.EvalBodyPoseInWorld(scratch, body)
+                x, y, _ = X_WB @ body.default_spatial_inertia().get_com()
+                weight = GRAVITY * body.default_mass()
+                of_frames[place] += [-y * weight, x * weight, 0.0, 0.0, 0.0, -weight]
+            shift_to_frames(of_frames, map(plant.get_frame, frames), scratch)
         return wrenches
 
     def _effort(self, context: Context) -> np.ndarray:

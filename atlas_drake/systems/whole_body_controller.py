@@ -9,7 +9,7 @@ the efforts of that tick. The only latency is the hold over the control period.
 
 import time
 from collections.abc import Iterable, MutableSequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.systems.framework import Context, State
@@ -38,6 +38,12 @@ LONG_UNSOLVED = 5
 """Control ticks in a row without a solution for a warning; the fallback handles one or
 two."""
 _UNKNOWN = read_only(np.full(2, np.nan))
+LOAD = "load"
+"""Kind of the event for a load that a hand takes up or gives away."""
+
+
+def _no_loads() -> np.ndarray:
+    return read_only(np.zeros(2))
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,7 @@ class ControllerState(Frozen):
     in_a_row: int = 0  # Number of them since the last solution.
     warned: bool = False  # True once the run has its warning of many of them.
     com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
+    loads: np.ndarray = field(default_factory=_no_loads)  # Of the hands [kg], (2,).
 
 
 class WholeBodyController(CollectableSystem):
@@ -63,6 +70,8 @@ class WholeBodyController(CollectableSystem):
         foot_loads: Vertical forces of the ground on left and right foot [N], (2,).
         foot_wrenches: Contact wrenches on left and right foot, in W at the sole's
             center [N·m; N], (12,): read while a sole is not down as a whole.
+        hand_wrenches: Wrenches on left and right hand, in W [N·m; N], (12,): what they
+            carry becomes part of the model.
         user_forecast: ``UserForecast``, the forecast of the user's law for the tick.
         commands: ``ActiveCommand``
 
@@ -107,6 +116,8 @@ class WholeBodyController(CollectableSystem):
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._hand_input = self.DeclareVectorInputPort("hand_wrenches", 12)
+        self._hand_loads = config.hand_loads
         self._user_input = self.declare_value_input("user_forecast")
         self._command_input = self.declare_value_input("commands")
         self._scratch = self.declare_scratch_context(self._model.create_context)
@@ -148,8 +159,11 @@ class WholeBodyController(CollectableSystem):
             self.tick_seconds.append(time.perf_counter() - begin)
 
     def _tick(self, context: Context, before: ControllerState) -> ControllerState:
+        upward = self._hand_input.Eval(context)[[5, 11]]
+        loads = read_only(self._hand_loads.follow(before.loads, upward, self._period))
+        counted = self._hand_loads.counted(loads)
         terms = self._model.evaluate(
-            self._scratch.Eval(context), self._state_input.Eval(context)
+            self._scratch.Eval(context), self._state_input.Eval(context), counted
         )
         commands: ActiveCommand = self._command_input.Eval(context)
         k = commands.joints.k
@@ -165,6 +179,9 @@ class WholeBodyController(CollectableSystem):
         supervisor, command = self._supervisor.update(
             before.supervisor, observation, commands.requests
         )
+        for text in self._hand_loads.news(before.loads, loads):
+            event = Event(context.get_time(), LOAD, text)
+            supervisor = supervisor.with_event(event)
         com = read_only(terms.com[:2].copy())
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
@@ -172,7 +189,9 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(supervisor, effort, com, omega, None, *counts)
+            return ControllerState(
+                supervisor, effort, com, omega, None, *counts, loads=loads
+            )
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(k, user, limit)
@@ -206,6 +225,7 @@ class WholeBodyController(CollectableSystem):
             in_a_row,
             warned,
             None if push is None else push[:2],
+            loads,
         )
 
     def _status(self, context: Context) -> ControllerStatus:
@@ -227,10 +247,11 @@ class WholeBodyController(CollectableSystem):
             return plan
         force = sum(solution.contact_wrenches.values(), np.zeros(6))[3:5]
         rate = (plan.omega or state.omega) ** 2
+        mass = self._robot.mass + float(self._hand_loads.counted(state.loads).sum())
         return replace(
             plan,
             cmp_reference=read_only(state.com - push / rate),
-            cmp=read_only(state.com - force / (self._robot.mass * rate)),
+            cmp=read_only(state.com - force / (mass * rate)),
         )
 
     def _paths(self, context: Context) -> PlannedPaths:

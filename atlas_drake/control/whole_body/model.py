@@ -6,11 +6,18 @@ a separate plant without geometry. Control laws are elsewhere.
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
+from pydrake.multibody.tree import (
+    Frame,
+    FrameIndex,
+    JacobianWrtVariable,
+    SpatialInertia,
+    UnitInertia,
+)
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
@@ -21,6 +28,7 @@ from atlas_drake.units import GRAVITY
 
 _ORIGIN = np.zeros(3)
 _NO_BIAS = read_only(np.zeros(6))
+_NO_LOADS = read_only(np.zeros(2))
 _PARTS = (slice(0, 6), slice(6, 12), slice(12, 18))
 """Rows of the frames that every tick needs, stacked."""
 
@@ -46,6 +54,7 @@ class WholeBodyModel:
         self._damping = np.array(
             [joint.default_damping_vector()[0] for joint in joints]
         )
+        self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
         self._num_q = plant.num_positions()
         self._square = generalized[:, None] * plant.num_velocities() + generalized
 
@@ -63,12 +72,16 @@ class WholeBodyModel:
         """Creates a scratch context for ``evaluate``."""
         return self._plant.CreateDefaultContext()
 
-    def evaluate(self, context: Context, state: np.ndarray) -> WholeBodyTerms:
+    def evaluate(
+        self, context: Context, state: np.ndarray, loads: np.ndarray = _NO_LOADS
+    ) -> WholeBodyTerms:
         """Computes all terms at one state of the robot, positions and velocities.
 
         The scratch context is overwritten, and read again when ``terms.frame`` computes
-        a further frame.
+        a further frame. ``loads`` are the masses that the left and the right hand carry
+        [kg], shape (2,): part of the robot's mass, inertia and center of mass.
         """
+        self._carry(context, loads)
         plant, indices = self._plant, self._indices
         state = np.array(state)
         plant.SetPositionsAndVelocities(context, state)
@@ -113,11 +126,12 @@ class WholeBodyModel:
         pelvis = FrameTerms(p_WP, R_WP, v[:6], self._pelvis_jacobian, _NO_BIAS)
         q = state.take(indices.q)
         com = plant.CalcCenterOfMassPositionInWorld(context)
-        com_velocity = (M[3:6] @ v) / self.robot.mass
+        mass = self.robot.mass + float(loads.sum())
+        com_velocity = (M[3:6] @ v) / mass
         for array in (q, M, h, R_WP, p_WP, com, com_velocity):
             array.setflags(write=False)
         return WholeBodyTerms(
-            mass=self.robot.mass,
+            mass=mass,
             q=q,
             v=v[6:],
             M=M,
@@ -133,6 +147,16 @@ class WholeBodyModel:
             frames=dict(zip(self._names, [*tracked, pelvis], strict=True)),
             compute_frame=compute_frame,
         )
+
+    def _carry(self, context: Context, loads: np.ndarray) -> None:
+        """Puts loads into the hands of a scratch context, as point masses."""
+        for hand, load in zip(self._hands, loads.tolist(), strict=False):
+            if hand.get_mass(context) != hand.default_mass() + load:
+                # A copy: adding would change the body's own.
+                inertia = copy.copy(hand.default_spatial_inertia())
+                at = inertia.get_com()
+                inertia += SpatialInertia(load, at, UnitInertia.PointMass(at))
+                hand.SetSpatialInertiaInBodyFrame(context, inertia)
 
     def _frame(self, name: str) -> Frame:
         """The plant's frame of this name."""
