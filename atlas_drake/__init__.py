@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from atlas_drake.clients.film.film import film
     from atlas_drake.clients.logs import Log, LogError, read_log
     from atlas_drake.clients.session import AtlasSimulation
+    from atlas_drake.clients.steering.hand_motion import HandMotion
     from atlas_drake.clients.steering.step_stream import StepStream
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.messages.controller_status import (
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         steps_to,
         steps_turning,
     )
+    from atlas_drake.planning.reach import HandGoal, reach
     from atlas_drake.planning.walk_at import (
         nearest_velocity,
         stop_walking,
@@ -84,6 +86,9 @@ _LAZY = {
     "steps_turning": "atlas_drake.planning.footstep_planner",
     "nearest_velocity": "atlas_drake.planning.walk_at",
     "stop_walking": "atlas_drake.planning.walk_at",
+    "HandGoal": "atlas_drake.planning.reach",
+    "HandMotion": "atlas_drake.clients.steering.hand_motion",
+    "reach": "atlas_drake.planning.reach",
     "walk_at": "atlas_drake.planning.walk_at",
     "walk_to": "atlas_drake.planning.waypoints",
 }
@@ -101,6 +106,8 @@ __all__ = [  # noqa: PLE0604
     "Footstep",
     "ErrorCode",
     "Gait",
+    "HandGoal",
+    "HandMotion",
     "InvalidMessageError",
     "Jitter",
     "Model",
@@ -117,6 +124,7 @@ __all__ = [  # noqa: PLE0604
     "load_scenario",
     "nearest_velocity",
     "place_robot",
+    "reach",
     "read_log",
     "steps_ahead",
     "steps_along_arc",

@@ -20,6 +20,7 @@ EXPECTED = {
     "09_cockpit": "Atlas stands after 9 steps.",
     "10_obstacles": "Atlas stands behind it.",
     "11_tour": "Atlas completed its tour.",
+    "12_crate": "The crate is on the other table.",
     "walker": "Atlas stands.",
     "walker_qp": "Atlas stands.",
 }

@@ -1,0 +1,201 @@
+"""Hands that move along straight lines, in a user's hands: commands, one at a time.
+
+A line of the hands, not of the joints: two hands that squeeze a crate must not drag it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.systems.framework import Context
+
+from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
+from atlas_drake.planning.reach import TOLERANCE, HandGoal, Reach, reach
+from atlas_drake.robot import Robot
+from atlas_drake.units import GRAVITY
+
+STIFFNESS, DAMPING = 1000.0, 50.0
+"""Default ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
+
+
+class HandMotion:
+    """Where the hands go, and the commands that bring them there.
+
+    The arms of hands with a goal are the user's, every other joint is the behavior's.
+    Gravity and the forces of the goals are fed forward, so that neither the arms' own
+    weight nor a load lets the hands sag.
+    """
+
+    PERIOD = 0.02
+    """Time between two commands [s]."""
+    FASTEST = 3.0
+    """Largest speed of a set-point [rad/s]."""
+
+    def __init__(
+        self, robot: Robot, stiffness: float = STIFFNESS, damping: float = DAMPING
+    ) -> None:
+        """Moves the hands of a robot, held with these gains [N·m/rad, N·m·s/rad]."""
+        self._robot, self._stiffness, self._damping = robot, stiffness, damping
+        self._from: tuple[HandGoal, ...] = ()
+        self._to: tuple[HandGoal, ...] = ()
+        self._begin = self._duration = 0.0
+        self._last: np.ndarray | None = None
+
+    def aim(
+        self,
+        time: float,
+        state: np.ndarray,
+        goals: Sequence[HandGoal],
+        duration: float,
+    ) -> Reach:
+        """Begins a motion of all hands that have a goal from now on.
+
+        Args:
+            time: Present time [s].
+            state: Positions and velocities of the robot, in the order of its plant.
+            goals: At most one for each hand.
+            duration: Time in which the hands get there [s], at least ``PERIOD``.
+
+        Returns:
+            The arms at the end, as seen from here.
+
+        Raises:
+            InvalidMessageError: If a goal is out of reach; the motion before goes on.
+        """
+        there = reach(self._robot, state, goals, self._last)
+        there.check(TOLERANCE)
+        context = self._context(state)
+        going = {goal.hand: goal for goal in self._now(time)}
+        self._from = tuple(self._start(context, goal, going) for goal in goals)
+        self._to = tuple(goals)
+        self._begin, self._duration = time, max(duration, self.PERIOD)
+        return there
+
+    def is_there(self, time: float) -> bool:
+        """Returns True once the hands have got where they were told to go."""
+        return time >= self._begin + self._duration
+
+    def carried(self, time: float, state: np.ndarray) -> list[HandGoal]:
+        """Returns goals with which the hands stay where they are at the pelvis.
+
+        Args:
+            time: Present time [s].
+            state: Positions and velocities of the robot, in the order of its plant.
+        """
+        now, context = self._now(time), self._context(state)
+        going = {goal.hand: goal for goal in now}
+        return [
+            self._start(context, replace(goal, of_pelvis=True), going) for goal in now
+        ]
+
+    def command(self, time: float, state: np.ndarray) -> AtlasCommand:
+        """Returns the command for the next ``PERIOD``.
+
+        Args:
+            time: Present time [s].
+            state: Positions and velocities of the robot, in the order of its plant.
+        """
+        goals, last = self._now(time), self._last
+        stays = self.is_there(time) and all(goal.of_pelvis for goal in goals)
+        if last is None or not stays:
+            # No joint jumps to another way to the same place.
+            within = math.inf if last is None else self.FASTEST * self.PERIOD
+            joints = reach(self._robot, state, goals, last, within).joints
+        else:
+            joints = last
+        speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
+        self._last = joints
+        sides = [self._robot.file.hands.index(goal.hand) for goal in goals]
+        mine = self._robot.limb(*(("l_arm", "r_arm")[side] for side in sides))
+        effort = self._effort(state, joints, goals)
+        return AtlasCommand(
+            position=joints.tolist(),
+            velocity=np.where(mine, speed, 0.0).tolist(),
+            effort=np.where(mine, effort, 0.0).tolist(),
+            kp_position=np.where(mine, self._stiffness, 0.0).tolist(),
+            kp_velocity=np.where(mine, self._damping, 0.0).tolist(),
+            k_effort=[K_EFFORT_MAX if one else 0 for one in mine],
+        )
+
+    def _now(self, time: float) -> tuple[HandGoal, ...]:
+        """Returns the goals on the way at a time."""
+        share = min(
+            max((time - self._begin) / max(self._duration, self.PERIOD), 0.0), 1.0
+        )
+        # The least jerk from rest to rest (Flash and Hogan, 1985).
+        share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+
+        def between(start: Sequence[float], end: Sequence[float]) -> list[float]:
+            way = np.array(end) - np.array(start)
+            return (np.array(start) + share * way).tolist()
+
+        return tuple(
+            replace(
+                end,
+                position=between(start.position, end.position),
+                direction=between(start.direction, end.direction),
+                force=between(start.force, end.force),
+            )
+            for start, end in zip(self._from, self._to, strict=True)
+        )
+
+    def _start(
+        self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
+    ) -> HandGoal:
+        """Returns where the way to a goal begins: where the hand is going, or is."""
+        plant = self._robot.plant
+        world, hand = plant.world_frame(), plant.GetFrameByName(goal.hand)
+        pelvis = plant.GetFrameByName(self._robot.file.pelvis)
+        before = going.get(goal.hand)
+        if before is None:
+            X_WH = hand.CalcPoseInWorld(context)
+            p, force = X_WH @ np.array(goal.point), np.zeros(3)
+            axis = goal.direction if goal.axis is None else goal.axis
+            direction = X_WH.rotation() @ np.array(axis)
+        else:
+            X_WF = (pelvis if before.of_pelvis else world).CalcPoseInWorld(context)
+            p = X_WF @ np.array(before.position)
+            direction = X_WF.rotation() @ np.array(before.direction)
+            force = X_WF.rotation() @ np.array(before.force)
+        X_FW = (pelvis if goal.of_pelvis else world).CalcPoseInWorld(context).inverse()
+        return replace(
+            goal,
+            position=(X_FW @ p).tolist(),
+            direction=(X_FW.rotation() @ direction).tolist(),
+            force=(X_FW.rotation() @ force).tolist(),
+        )
+
+    def _context(self, state: np.ndarray) -> Context:
+        plant = self._robot.plant
+        context = plant.CreateDefaultContext()
+        plant.SetPositions(context, state[: plant.num_positions()])
+        return context
+
+    def _effort(
+        self, state: np.ndarray, joints: np.ndarray, goals: Sequence[HandGoal]
+    ) -> np.ndarray:
+        """Computes the efforts that hold the arms and exert the goals' forces."""
+        plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
+        q = np.array(state[: plant.num_positions()])
+        q[indices.q] = joints
+        context, world = self._context(q), plant.world_frame()
+        mode = JacobianWrtVariable.kV
+        com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
+            context, mode, world, world
+        )
+        effort = GRAVITY * self._robot.mass * com[2]
+        for goal in goals:
+            hand = plant.GetFrameByName(goal.hand)
+            J = plant.CalcJacobianTranslationalVelocity(
+                context, mode, hand, goal.point, world, world
+            )
+            force = np.array(goal.force)
+            if goal.of_pelvis:
+                pelvis = plant.GetFrameByName(self._robot.file.pelvis)
+                force = pelvis.CalcPoseInWorld(context).rotation() @ force
+            effort = effort + J.T @ force
+        return np.asarray(effort[indices.v])

@@ -1,0 +1,182 @@
+"""Where joints have to be so that points of the hands are where they are wanted.
+
+Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits the points
+come as near to their goals as they can, and with what is left the axes point where they
+are wanted and the joints stay near where they were.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.multibody.inverse_kinematics import InverseKinematics
+from pydrake.multibody.tree import Frame
+from pydrake.solvers import SnoptSolver
+
+from atlas_drake.errors import InvalidMessageError, did_you_mean
+from atlas_drake.robot import Robot
+
+TOLERANCE = 5e-3
+"""Distance from a goal up to which it counts as reached [m]."""
+_NEARNESS, _DIRECTION, _POSTURE = 1e4, 3.0, 1e-2
+"""Weights of the distance [1/m²], of an axis' angle [-] and of a joint's way
+[1/rad²]: a millimetre counts as much as an axis that is off by 6°."""
+
+
+@dataclass(frozen=True)
+class HandGoal:
+    """Where a point of a hand has to be, and where an axis of the hand has to point.
+
+    Attributes:
+        hand: Body of the hand, of those in the robot's file.
+        position: Goal of the point [m], shape (3,).
+        point: The point on the hand, in the body's frame [m], shape (3,).
+        axis: Axis of the hand in the body's frame, shape (3,); None leaves the
+            direction open.
+        direction: Where the axis has to point, shape (3,).
+        force: What the hand exerts there, for a load its weight upward [N], shape (3,).
+        of_pelvis: True if position, direction and force are given in the pelvis' frame
+            and move with it; False for W.
+    """
+
+    hand: str
+    position: Sequence[float]
+    point: Sequence[float] = (0.0, 0.0, 0.0)
+    axis: Sequence[float] | None = None
+    direction: Sequence[float] = (1.0, 0.0, 0.0)
+    force: Sequence[float] = (0.0, 0.0, 0.0)
+    of_pelvis: bool = False
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What can be reached.
+
+    Attributes:
+        goals: What was asked for.
+        joints: Joint positions [rad], shape (n,), message order.
+        positions: Where the points of the goals are then, in their frames [m], (k, 3).
+    """
+
+    goals: tuple[HandGoal, ...]
+    joints: np.ndarray
+    positions: np.ndarray
+
+    @property
+    def distances(self) -> np.ndarray:
+        """Distances of the points from their goals [m], shape (k,)."""
+        wanted = np.array([goal.position for goal in self.goals])
+        return np.asarray(np.linalg.norm(wanted - self.positions, axis=1))
+
+    def check(self, tolerance: float = TOLERANCE) -> None:
+        """Refuses a goal that is out of reach.
+
+        Raises:
+            InvalidMessageError: If a point stays away by more than ``tolerance`` [m].
+                The nearest place that it reaches is named.
+        """
+        far = self.distances
+        worst = int(far.argmax())
+        if far[worst] > tolerance:
+            goal, nearest = self.goals[worst], self.positions[worst].round(3).tolist()
+            problem = (
+                f"{goal.hand} cannot reach it; the nearest place is {nearest}, "
+                f"{far[worst]:.3f} m away"
+            )
+            raise InvalidMessageError("position", list(goal.position), problem)
+
+
+def reach(
+    robot: Robot,
+    state: np.ndarray,
+    goals: Sequence[HandGoal],
+    near: np.ndarray | None = None,
+    within: float = math.inf,
+) -> Reach:
+    """Finds the positions of the arms' joints with which hands reach their goals.
+
+    Args:
+        robot: The robot; the joints of the limbs ``l_arm`` and ``r_arm`` move, those of
+            hands with a goal.
+        state: Positions of the robot, in the order of its plant, velocities may follow:
+            the output port ``state`` of a station.
+        goals: At most one for each hand.
+        near: Joint positions from which the search begins, and to which it keeps [rad],
+            shape (n,), message order; None for those of ``state``.
+        within: Largest way of a joint from there [rad].
+
+    Raises:
+        InvalidMessageError: If the robot has no such hand.
+    """
+    plant, indices = robot.plant, robot.indices(robot.plant)
+    context = plant.CreateDefaultContext()
+    q = np.array(state[: plant.num_positions()])
+    # Integration leaves a quaternion of not quite length 1, which no solution has.
+    q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
+    plant.SetPositions(context, q)
+    sides = [_side(robot, goal.hand) for goal in goals]
+    limbs = robot.limb(*(("l_arm", "r_arm")[side] for side in sides))
+    moving = indices.q[limbs]
+    if near is not None:
+        q[moving] = near[limbs]
+    fixed = np.setdiff1d(np.arange(len(q)), moving)
+    lowest, highest = robot.position_lower[limbs], robot.position_upper[limbs]
+    q[moving] = np.clip(q[moving], lowest, highest)
+    lower = np.maximum(lowest, q[moving] - within)
+    upper = np.minimum(highest, q[moving] + within)
+    # The other joints are where they are, and may be beyond their limits.
+    kinematics = InverseKinematics(plant, context, with_joint_limits=False)
+    program, variables = kinematics.prog(), kinematics.q()
+    program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
+    program.AddBoundingBoxConstraint(lower, upper, variables[moving])
+    posture = _POSTURE * np.eye(len(moving))
+    program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
+    frames = [_frame(robot, goal) for goal in goals]
+    for goal, frame in zip(goals, frames, strict=True):
+        hand = plant.GetFrameByName(goal.hand)
+        kinematics.AddPositionCost(
+            frame, goal.position, hand, goal.point, _NEARNESS * np.eye(3)
+        )
+        if goal.axis is not None:
+            kinematics.AddAngleBetweenVectorsCost(
+                hand, goal.axis, frame, goal.direction, _DIRECTION
+            )
+    # From a bent arm, too: a search that begins at limits may get stuck there.
+    starts = [q[moving]]
+    if math.isinf(within):
+        starts.append(np.clip(robot.stand_prep[limbs], lower, upper))
+        starts.append(0.5 * (lower + upper))
+    results = []
+    for start in starts:
+        q[moving] = start
+        results.append(SnoptSolver().Solve(program, q))
+    best = min(results, key=lambda result: result.get_optimal_cost())
+    # A step of the line search may end beyond the limits by rounding.
+    q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
+    plant.SetPositions(context, q)
+    found = [
+        plant.CalcPointsPositions(
+            context, plant.GetFrameByName(goal.hand), goal.point, frame
+        ).ravel()
+        for goal, frame in zip(goals, frames, strict=True)
+    ]
+    return Reach(tuple(goals), q[indices.q], np.array(found))
+
+
+def _frame(robot: Robot, goal: HandGoal) -> Frame:
+    """Returns the frame in which a goal is given."""
+    if goal.of_pelvis:
+        return robot.plant.GetFrameByName(robot.file.pelvis)
+    return robot.plant.world_frame()
+
+
+def _side(robot: Robot, hand: str) -> int:
+    """Returns 0 for the left and 1 for the right hand."""
+    hands = robot.file.hands
+    if hand not in hands:
+        hint = did_you_mean(hand, hands)
+        raise InvalidMessageError("hand", hand, f"{robot.name} has no such hand.{hint}")
+    return hands.index(hand)

@@ -1,0 +1,96 @@
+"""Two hands squeeze a crate of 10 kg, carry it to another table and put it down.
+
+The arms are yours and told where the palms have to be; STAND and WALK do the rest.
+benchmarks/campaigns/carry.yaml repeats it with other masses and places.
+"""
+
+import argparse
+import math
+import signal
+import sys
+
+import numpy as np
+
+from atlas_drake import (
+    AtlasSimulation,
+    HandGoal,
+    HandMotion,
+    Scenario,
+    StepStream,
+    steps_to,
+)
+
+PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
+HALF, ABOVE = 0.25, 0.03  # from the crate's middle to a palm, aside and up [m]
+SQUEEZE = 200.0  # force of each palm [N]
+UP = np.array([0.0, 0.0, 0.13])  # way of the lifted crate [m]
+AHEAD = 0.46  # of the robot, where it takes the crate and puts it down [m]
+ROBOT, CRATE = (0.0, 2.0, math.pi / 2), np.array([0.0, 2.0 + AHEAD, 0.975])
+X, Y = np.eye(3)[:2]
+
+
+def pose(sim, body):
+    """Returns the pose of a body in W."""
+    context = sim.plant.GetMyContextFromRoot(sim.context)
+    return sim.plant.EvalBodyPoseInWorld(context, sim.plant.GetBodyByName(body))
+
+
+def beside(middle, ahead, gap=0.0, squeeze=0.0, lift=0.0):
+    """Returns goals of the palms at both sides of a point, the hands pointing ahead."""
+    goals = []
+    for hand, point in PALMS.items():
+        out = np.sign(point[1]) * np.cross([0.0, 0.0, 1.0], ahead)
+        force = [0.0, 0.0, lift / 2] - squeeze * out
+        place = middle + (HALF + gap) * out + [0.0, 0.0, ABOVE]
+        axis = [0.0, np.sign(point[1]), 0.0]
+        goals.append(HandGoal(hand, place, point, axis, ahead, force))
+    return goals
+
+
+def carry(sim, mass):
+    """Carries a crate of a mass [kg] over; returns how far it was lifted [m]."""
+    hands, firm = HandMotion(sim.robot), {"squeeze": SQUEEZE, "lift": 9.81 * mass}
+
+    def walk_to(x, y, yaw, arms=False):
+        walk = StepStream(steps_to(sim.atlas_sim_interface_state, x, y, yaw))
+        while not (sim.has_fallen or walk.is_over(sim.atlas_sim_interface_state)):
+            if command := walk.next_command(sim.atlas_sim_interface_state):
+                sim.publish(command)
+            if arms:
+                sim.publish(hands.command(sim.time, sim.output("state")))
+            sim.advance(hands.PERIOD)
+
+    def move(goals, seconds):
+        hands.aim(sim.time, sim.output("state"), goals, seconds)
+        while not (sim.has_fallen or hands.is_there(sim.time - 0.3)):
+            sim.publish(hands.command(sim.time, sim.output("state")))
+            sim.advance(hands.PERIOD)
+
+    sim.advance(0.5)
+    start = pose(sim, "crate").translation()
+    walk_to(start[0] - AHEAD, start[1], 0.0)
+    move(beside(start - 0.12 * X + 0.4 * UP, X, gap=0.15), 1.5)
+    move(beside(start, X, gap=0.06), 1.5)
+    move(beside(start, X, squeeze=SQUEEZE), 1.0)
+    move(beside(start + UP, X, **firm), 2.5)
+    lifted = pose(sim, "crate").translation()[2] - start[2]
+    move(hands.carried(sim.time, sim.output("state")), 0.5)
+    walk_to(*ROBOT, arms=True)
+    move(beside(CRATE + UP, Y, **firm), 2.0)
+    grip = CRATE + UP - pose(sim, "crate").translation()  # hands from the crate
+    move(beside(CRATE + grip, Y, **firm), 1.5)
+    move(beside(CRATE + grip, Y), 0.5)
+    move(beside(CRATE + grip, Y, gap=0.08), 1.0)
+    return lifted
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--headless", action="store_true", help="no 3D view")
+    options = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
+    sim = AtlasSimulation(Scenario(world="tables"), view=not options.headless)
+    carry(sim, 10.0)
+    there = np.linalg.norm(pose(sim, "crate").translation() - CRATE) < 0.03
+    print("The crate is on the other table." if there else "The crate is elsewhere.")
+    sys.exit(not there)
