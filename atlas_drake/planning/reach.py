@@ -144,14 +144,13 @@ def reach(
             kinematics.AddAngleBetweenVectorsCost(
                 hand, goal.axis, frame, goal.direction, _DIRECTION
             )
-    # From a bent arm, too: a search that begins at limits may get stuck there.
+    # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
     if math.isinf(within):
-        starts.append(np.clip(robot.stand_prep[limbs], lower, upper))
-        starts.append(0.5 * (lower + upper))
+        starts += [robot.stand_prep[limbs], 0.5 * (lower + upper)]
     results = []
     for start in starts:
-        q[moving] = start
+        q[moving] = np.clip(start, lower, upper)
         results.append(SnoptSolver().Solve(program, q))
     best = min(results, key=lambda result: result.get_optimal_cost())
     # A step of the line search may end beyond the limits by rounding.

@@ -132,3 +132,11 @@ def test_a_file_of_several_models_may_not_be_welded(tmp_path):
     file.write_text(DIRECTIVES.format(ball=BALL))
     with pytest.raises(ScenarioError, match="2 models"):
         Scenario(models=[Model(file=str(file), weld=True)]).validate()
+
+
+def test_a_crate_that_nobody_touches_stays_where_it_is():
+    sim = AtlasSimulation(Scenario(world="tables"))
+    sim.advance(0.3)
+    before = sim.output("crate.state")
+    sim.advance(2.0)
+    np.testing.assert_allclose(sim.output("crate.state"), before, atol=1e-5)

@@ -45,7 +45,7 @@ def test_level_ground_is_the_default_and_adds_nothing():
 
 
 def test_the_shipped_worlds_have_terrain_and_a_free_start():
-    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "rubble", "bricks"}
+    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "rubble", "bricks", "tables"}
     assert set(available_worlds()) == {"level"} | shipped
     for name in shipped:
         world = load_world(name)

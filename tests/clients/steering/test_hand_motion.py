@@ -1,0 +1,80 @@
+"""Hands go along lines and stay where they are told, with their loads."""
+
+import numpy as np
+import pytest
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import SpatialInertia
+
+from atlas_drake import AtlasSimulation, HandGoal, HandMotion, InvalidMessageError
+from atlas_drake.units import GRAVITY
+
+PALM = (0.0, 0.1, 0.005)
+PLACE = np.array([0.35, 0.35, 1.1])
+BAG = 5.0
+"""[kg]"""
+
+
+def bag(plant):
+    """Hangs a bag on the left hand."""
+    model = plant.AddModelInstance("bag")
+    inertia = SpatialInertia.SolidSphereWithMass(BAG, 0.1)
+    body = plant.AddRigidBody("bag", model, inertia)
+    hand = plant.GetFrameByName("l_hand")
+    plant.WeldFrames(hand, body.body_frame(), RigidTransform(PALM))
+
+
+def palm(sim):
+    context = sim.plant.GetMyContextFromRoot(sim.context)
+    X_WH = sim.plant.GetFrameByName("l_hand").CalcPoseInWorld(context)
+    return X_WH @ np.array(PALM)
+
+
+def hold(sim, hands, seconds):
+    """Yields the palm's place after each command."""
+    end = sim.time + seconds
+    while sim.time < end - 1e-9:
+        sim.publish(hands.command(sim.time, sim.output("state")))
+        sim.advance(hands.PERIOD)
+        yield palm(sim)
+
+
+def goal(force=0.0):
+    return HandGoal("l_hand", PLACE, PALM, force=(0.0, 0.0, force))
+
+
+@pytest.mark.parametrize("load", [0.0, BAG])
+def test_a_hand_gets_there_on_a_line_and_does_not_sag(load):
+    sim = AtlasSimulation(world=[bag] if load else [])
+    hands, start = HandMotion(sim.robot), palm(sim)
+    hands.aim(sim.time, sim.output("state"), [goal(load * GRAVITY)], 1.0)
+    way = np.array(list(hold(sim, hands, 2.0)))
+    np.testing.assert_allclose(way[-1], PLACE, atol=0.005)
+    along = (PLACE - start) / np.linalg.norm(PLACE - start)
+    off = (way - start) - np.outer((way - start) @ along, along)
+    assert np.linalg.norm(off, axis=1).max() < 0.03
+    others = ~sim.robot.limb("l_arm")
+    assert not np.array(sim.atlas_state.k_effort)[others].any()
+    assert not sim.has_fallen
+
+
+def test_a_hand_that_is_carried_stays_at_the_pelvis():
+    sim = AtlasSimulation()
+    hands = HandMotion(sim.robot)
+    hands.aim(sim.time, sim.output("state"), [goal()], 0.5)
+    list(hold(sim, hands, 0.6))
+    (carried,) = hands.carried(sim.time, sim.output("state"))
+    assert carried.of_pelvis
+    X_WP = sim.pelvis_pose
+    np.testing.assert_allclose(X_WP @ np.array(carried.position), PLACE, atol=1e-6)
+
+
+def test_what_is_out_of_reach_leaves_the_motion_before_in_force():
+    sim = AtlasSimulation()
+    hands = HandMotion(sim.robot)
+    hands.aim(sim.time, sim.output("state"), [goal()], 0.5)
+    far = HandGoal("l_hand", [3.0, 0.0, 1.0], PALM)
+    with pytest.raises(InvalidMessageError, match="nearest"):
+        hands.aim(sim.time, sim.output("state"), [far], 0.5)
+    assert not hands.is_there(sim.time)
+    *_, last = hold(sim, hands, 1.0)
+    np.testing.assert_allclose(last, PLACE, atol=0.01)

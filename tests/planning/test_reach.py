@@ -1,0 +1,85 @@
+"""Goals of the hands become positions of the arms' joints."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import HandGoal, InvalidMessageError, reach
+from atlas_drake.robot import load_robot
+
+PALM = (0.0, 0.1, 0.005)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("atlas")
+
+
+@pytest.fixture(scope="module")
+def state(robot):
+    return robot.plant.GetPositions(robot.standing_context())
+
+
+def palm(robot, state, joints):
+    """Returns place and axis of the left palm in W."""
+    q = state.copy()
+    q[robot.indices(robot.plant).q] = joints
+    context = robot.plant.CreateDefaultContext()
+    robot.plant.SetPositions(context, q)
+    X_WH = robot.plant.GetFrameByName("l_hand").CalcPoseInWorld(context)
+    return X_WH @ np.array(PALM), X_WH.rotation().matrix()[:, 1]
+
+
+@pytest.mark.parametrize(
+    "place", [[0.5, 0.3, 1.0], [0.45, 0.25, 1.0], [0.4, 0.25, 0.95]]
+)
+def test_the_palm_is_where_it_has_to_be_and_points_ahead(robot, state, place):
+    goal = HandGoal("l_hand", place, PALM, axis=(0.0, 1.0, 0.0))
+    found = reach(robot, state, [goal])
+    found.check()
+    p, axis = palm(robot, state, found.joints)
+    np.testing.assert_allclose(p, place, atol=1e-3)
+    np.testing.assert_allclose(p, found.positions[0], atol=1e-9)
+    assert axis[0] > np.cos(0.2)
+
+
+def test_only_the_arm_of_the_hand_moves_and_within_its_limits(robot, state):
+    found = reach(robot, state, [HandGoal("l_hand", [0.35, 0.3, 1.0])])
+    before = state[robot.indices(robot.plant).q]
+    moved = np.abs(found.joints - before) > 1e-9
+    assert moved.any()
+    assert not (moved & ~robot.limb("l_arm")).any()
+    assert (found.joints >= robot.position_lower - 1e-9).all()
+    assert (found.joints <= robot.position_upper + 1e-9).all()
+
+
+def test_a_state_that_integration_has_left_unnormalized_is_solved(robot, state):
+    drifted = state.copy()
+    drifted[robot.indices(robot.plant).pelvis.orientation] *= 1.0 + 2e-6
+    reach(robot, drifted, [HandGoal("l_hand", [0.35, 0.3, 1.0])]).check()
+
+
+def test_joints_that_are_not_the_arms_may_be_beyond_their_limits(robot, state):
+    beyond = state.copy()
+    knee = robot.joint_index("l_leg_kny")
+    beyond[robot.indices(robot.plant).q[knee]] = robot.position_lower[knee] - 0.01
+    reach(robot, beyond, [HandGoal("l_hand", [0.35, 0.3, 1.0])]).check()
+
+
+def test_a_goal_of_the_pelvis_moves_with_it(robot, state):
+    moved, indices = state.copy(), robot.indices(robot.plant)
+    moved[indices.pelvis.position] += [1.0, 2.0, 0.0]
+    goal = HandGoal("l_hand", [0.4, 0.3, 0.1], of_pelvis=True)
+    joints = [reach(robot, q, [goal]).joints for q in (state, moved)]
+    np.testing.assert_allclose(joints[0], joints[1], atol=1e-3)
+
+
+def test_out_of_reach_is_refused_with_the_nearest_place(robot, state):
+    found = reach(robot, state, [HandGoal("l_hand", [1.5, 0.3, 1.0])])
+    assert 0.3 < found.distances[0] < 1.2
+    with pytest.raises(InvalidMessageError, match=r"l_hand cannot reach .* nearest"):
+        found.check()
+
+
+def test_a_hand_that_the_robot_has_not_is_refused(robot, state):
+    with pytest.raises(InvalidMessageError, match="no such hand"):
+        reach(robot, state, [HandGoal("l_hnd", [0.5, 0.3, 1.0])])
