@@ -17,6 +17,7 @@ from pydrake.multibody.tree import Frame
 from pydrake.solvers import SnoptSolver
 
 from atlas_drake.errors import InvalidMessageError, did_you_mean
+from atlas_drake.messages.checks import check_vector
 from atlas_drake.robot import Robot
 
 TOLERANCE = 5e-3
@@ -49,6 +50,16 @@ class HandGoal:
     direction: Sequence[float] = (1.0, 0.0, 0.0)
     force: Sequence[float] = (0.0, 0.0, 0.0)
     of_pelvis: bool = False
+
+    def __post_init__(self) -> None:
+        """Checks the vectors: Drake would end the process at NaN."""
+        for name in ("position", "point", "axis", "direction", "force"):
+            value = getattr(self, name)
+            if name == "axis" and value is None:
+                continue
+            numbers = check_vector(value, name, 3)
+            if name in ("axis", "direction") and not numbers.any():
+                raise InvalidMessageError(name, value, "must not be zero")
 
 
 @dataclass(frozen=True)
@@ -109,7 +120,7 @@ def reach(
         within: Largest way of a joint from there [rad].
 
     Raises:
-        InvalidMessageError: If the robot has no such hand.
+        InvalidMessageError: If the robot has no such hand, or one has two goals.
     """
     plant, indices = robot.plant, robot.indices(robot.plant)
     context = plant.CreateDefaultContext()
@@ -118,6 +129,9 @@ def reach(
     q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
     plant.SetPositions(context, q)
     sides = [_side(robot, goal.hand) for goal in goals]
+    if len(set(sides)) < len(sides):
+        names = [goal.hand for goal in goals]
+        raise InvalidMessageError("hand", names, "a hand has one goal at a time")
     limbs = robot.limb(*(("l_arm", "r_arm")[side] for side in sides))
     moving = indices.q[limbs]
     if near is not None:

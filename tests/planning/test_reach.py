@@ -83,3 +83,25 @@ def test_out_of_reach_is_refused_with_the_nearest_place(robot, state):
 def test_a_hand_that_the_robot_has_not_is_refused(robot, state):
     with pytest.raises(InvalidMessageError, match="no such hand"):
         reach(robot, state, [HandGoal("l_hnd", [0.5, 0.3, 1.0])])
+
+
+@pytest.mark.parametrize(
+    ("fields", "named"),
+    [
+        ({"position": [0.4, 0.3]}, "position"),
+        ({"position": [0.4, 0.3, np.nan]}, "position"),
+        ({"point": "palm"}, "point"),
+        ({"axis": (0.0, 0.0, 0.0)}, "axis"),
+        ({"force": [np.inf, 0.0, 0.0]}, "force"),
+    ],
+)
+def test_a_goal_that_is_none_is_refused_by_field(fields, named):
+    given = {"position": [0.35, 0.3, 1.0], **fields}
+    with pytest.raises(InvalidMessageError, match=named):
+        HandGoal("l_hand", **given)
+
+
+def test_a_hand_has_one_goal(robot, state):
+    goals = [HandGoal("l_hand", [0.35, 0.3, z]) for z in (1.0, 1.1)]
+    with pytest.raises(InvalidMessageError, match="one goal"):
+        reach(robot, state, goals)

@@ -14,12 +14,15 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
+from atlas_drake.messages.checks import check_number
 from atlas_drake.planning.reach import TOLERANCE, HandGoal, Reach, reach
 from atlas_drake.robot import Robot
 from atlas_drake.units import GRAVITY
 
 STIFFNESS, DAMPING = 1000.0, 50.0
 """Default ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
+LONGEST = 600.0
+"""Longest duration of a motion [s]."""
 
 
 class HandMotion:
@@ -58,21 +61,24 @@ class HandMotion:
             time: Present time [s].
             state: Positions and velocities of the robot, in the order of its plant.
             goals: At most one for each hand.
-            duration: Time in which the hands get there [s], at least ``PERIOD``.
+            duration: Time in which the hands get there [s], from ``PERIOD`` to
+                ``LONGEST``.
 
         Returns:
             The arms at the end, as seen from here.
 
         Raises:
-            InvalidMessageError: If a goal is out of reach; the motion before goes on.
+            InvalidMessageError: If a goal is out of reach, or a value cannot be used;
+                the motion before goes on.
         """
+        duration = check_number(duration, "duration", self.PERIOD, LONGEST)
         there = reach(self._robot, state, goals, self._last)
         there.check(TOLERANCE)
         context = self._context(state)
         going = {goal.hand: goal for goal in self._now(time)}
         self._from = tuple(self._start(context, goal, going) for goal in goals)
         self._to = tuple(goals)
-        self._begin, self._duration = time, max(duration, self.PERIOD)
+        self._begin, self._duration = time, duration
         return there
 
     def is_there(self, time: float) -> bool:

@@ -78,3 +78,11 @@ def test_what_is_out_of_reach_leaves_the_motion_before_in_force():
     assert not hands.is_there(sim.time)
     *_, last = hold(sim, hands, 1.0)
     np.testing.assert_allclose(last, PLACE, atol=0.01)
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, float("nan"), "soon"])
+def test_a_duration_that_is_none_is_refused(duration):
+    sim = AtlasSimulation()
+    hands = HandMotion(sim.robot)
+    with pytest.raises(InvalidMessageError, match="duration"):
+        hands.aim(sim.time, sim.output("state"), [goal()], duration)
