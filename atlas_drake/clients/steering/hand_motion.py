@@ -82,7 +82,11 @@ class HandMotion:
         return there
 
     def is_there(self, time: float) -> bool:
-        """Returns True once the hands have got where they were told to go."""
+        """Returns True once the hands have got where they were told to go.
+
+        Args:
+            time: Present time, or an earlier one [s].
+        """
         return time >= self._begin + self._duration
 
     def carried(self, time: float, state: np.ndarray) -> list[HandGoal]:
