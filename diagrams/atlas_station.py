@@ -23,7 +23,7 @@ from pydrake.systems.primitives import Multiplexer
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.contact import (
     scene_graph_config,
-    set_robot_material,
+    set_materials,
 )
 from atlas_drake.diagrams.controller_socket import (
     CONTROLLER,
@@ -342,10 +342,10 @@ def _add_plant(
         scenario.plant, scene_graph_config(), builder
     )
     robot.add_to(plant)
-    set_robot_material(plant, scene_graph, robot)
     terrain = scenario.all_terrain()
     add_scenery(plant, terrain, scenario.ground_friction)
     add_world(plant, world)
+    set_materials(plant, scene_graph, robot)
     plant.Finalize()
     own = plant.num_multibody_states(robot.instance(plant))
     if world and own != robot.plant.num_multibody_states():

@@ -162,13 +162,13 @@ def test_foot_wrenches_count_contact_with_any_body():
     assert wrenches[:, 5].sum() == pytest.approx(weight, rel=0.05)
     results = sim.output("contact_results")
     feet = {foot.body for foot in sim.robot.file.feet}
-    inspector = sim.output("query_object").inspector()
     touched = set()
-    # The plate is a thing, and so is touched with surfaces.
-    for k in range(results.num_hydroelastic_contacts()):
-        surface = results.hydroelastic_contact_info(k).contact_surface()
-        frames = map(inspector.GetFrameId, (surface.id_M(), surface.id_N()))
-        pair = {sim.plant.GetBodyFromFrameId(frame).name() for frame in frames}
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        pair = {
+            sim.plant.get_body(index).name()
+            for index in (info.bodyA_index(), info.bodyB_index())
+        }
         if pair & feet:
             touched |= pair - feet
     assert touched == {"plate"}
