@@ -63,7 +63,7 @@ def test_soles_touch_the_ground_at_points():
     np.testing.assert_array_equal(*(sim.output("state") for sim in sims))
     strict = Scenario(plant=plant_config(contact_model="hydroelastic"))
     # Which pair comes first is Drake's: links that overlap, or a sole and the ground.
-    with pytest.raises(SimulationError, match="two rigid|without hydroelastic"):
+    with pytest.raises(SimulationError, match=r"two rigid|without hydroelastic"):
         AtlasSimulation(strict).advance(0.05)
 
 
