@@ -128,11 +128,7 @@ def reach(
     # Integration leaves a quaternion of not quite length 1, which no solution has.
     q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
     plant.SetPositions(context, q)
-    sides = [_side(robot, goal.hand) for goal in goals]
-    if len(set(sides)) < len(sides):
-        names = [goal.hand for goal in goals]
-        raise InvalidMessageError("hand", names, "a hand has one goal at a time")
-    limbs = robot.limb(*(("l_arm", "r_arm")[side] for side in sides))
+    limbs = arms_of(robot, goals)
     moving = indices.q[limbs]
     if near is not None:
         q[moving] = near[limbs]
@@ -148,7 +144,7 @@ def reach(
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
     posture = _POSTURE * np.eye(len(moving))
     program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
-    frames = [_frame(robot, goal) for goal in goals]
+    frames = [frame_of(robot, goal) for goal in goals]
     for goal, frame in zip(goals, frames, strict=True):
         hand = plant.GetFrameByName(goal.hand)
         kinematics.AddPositionCost(
@@ -179,17 +175,33 @@ def reach(
     return Reach(tuple(goals), q[indices.q], np.array(found))
 
 
-def _frame(robot: Robot, goal: HandGoal) -> Frame:
-    """Returns the frame in which a goal is given."""
+def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:
+    """Returns which joints are of the arms whose hands have a goal, bool, shape (n,).
+
+    Args:
+        robot: The robot.
+        goals: At most one for each hand.
+
+    Raises:
+        InvalidMessageError: If the robot has no such hand, or one has two goals.
+    """
+    names, hands = [goal.hand for goal in goals], robot.file.hands
+    for hand in names:
+        if hand not in hands:
+            problem = f"{robot.name} has no such hand.{did_you_mean(hand, hands)}"
+            raise InvalidMessageError("hand", hand, problem)
+    if len(set(names)) < len(names):
+        raise InvalidMessageError("hand", names, "a hand has one goal at a time")
+    return robot.limb(*(("l_arm", "r_arm")[hands.index(hand)] for hand in names))
+
+
+def frame_of(robot: Robot, goal: HandGoal) -> Frame:
+    """Returns the frame in which a goal is given, of the robot's own plant.
+
+    Args:
+        robot: The robot.
+        goal: The goal.
+    """
     if goal.of_pelvis:
         return robot.plant.GetFrameByName(robot.file.pelvis)
     return robot.plant.world_frame()
-
-
-def _side(robot: Robot, hand: str) -> int:
-    """Returns 0 for the left and 1 for the right hand."""
-    hands = robot.file.hands
-    if hand not in hands:
-        hint = did_you_mean(hand, hands)
-        raise InvalidMessageError("hand", hand, f"{robot.name} has no such hand.{hint}")
-    return hands.index(hand)

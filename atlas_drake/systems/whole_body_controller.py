@@ -9,7 +9,7 @@ the efforts of that tick. The only latency is the hold over the control period.
 
 import time
 from collections.abc import Iterable, MutableSequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.framework import Context, State
@@ -38,12 +38,6 @@ LONG_UNSOLVED = 5
 """Control ticks in a row without a solution for a warning; the fallback handles one or
 two."""
 _UNKNOWN = read_only(np.full(2, np.nan))
-LOAD = "load"
-"""Kind of the event for a load that a hand takes up or gives away."""
-
-
-def _no_loads() -> np.ndarray:
-    return read_only(np.zeros(2))
 
 
 @dataclass(frozen=True)
@@ -53,13 +47,13 @@ class ControllerState(Frozen):
     supervisor: SupervisorState
     effort: np.ndarray  # Of the behavior, per joint [N·m], shape (n,).
     com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
+    loads: np.ndarray  # Masses that left and right hand carry [kg], shape (2,).
     omega: float = 1.0  # Natural frequency of the pendulum [1/s].
     solution: WholeBodySolution | None = None  # None without a QP.
     unsolved: int = 0  # Number of ticks whose QP had no solution.
     in_a_row: int = 0  # Number of them since the last solution.
     warned: bool = False  # True once the run has its warning of many of them.
     com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
-    loads: np.ndarray = field(default_factory=_no_loads)  # Of the hands [kg], (2,).
 
 
 class WholeBodyController(CollectableSystem):
@@ -112,6 +106,7 @@ class WholeBodyController(CollectableSystem):
             self._supervisor.start(initial_behavior),
             np.zeros(n),
             read_only(np.zeros(2)),
+            read_only(np.zeros(2)),
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
@@ -146,6 +141,7 @@ class WholeBodyController(CollectableSystem):
             self._supervisor.restart(before.supervisor, behavior),
             np.zeros(self._robot.num_joints),
             before.com,
+            read_only(np.zeros(2)),
             unsolved=before.unsolved,
             warned=before.warned,
         )
@@ -180,7 +176,7 @@ class WholeBodyController(CollectableSystem):
             before.supervisor, observation, commands.requests
         )
         for text in self._hand_loads.news(before.loads, loads):
-            event = Event(context.get_time(), LOAD, text)
+            event = Event(context.get_time(), "load", text)
             supervisor = supervisor.with_event(event)
         com = read_only(terms.com[:2].copy())
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
@@ -189,9 +185,7 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(
-                supervisor, effort, com, omega, None, *counts, loads=loads
-            )
+            return ControllerState(supervisor, effort, com, loads, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(k, user, limit)
@@ -219,13 +213,13 @@ class WholeBodyController(CollectableSystem):
             supervisor,
             effort,
             com,
+            loads,
             omega,
             solution,
             unsolved,
             in_a_row,
             warned,
             None if push is None else push[:2],
-            loads,
         )
 
     def _status(self, context: Context) -> ControllerStatus:

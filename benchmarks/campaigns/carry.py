@@ -17,7 +17,7 @@ from pydrake.multibody.tree import SpatialInertia
 from atlas_drake import AtlasSimulation
 from atlas_drake.rotations import wrap_angle, yaw_of
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "12_crate.py"
+EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "12_crate.py"))
 SIZE = (0.3, 0.4, 0.25)
 """Of the world's crate [m]."""
 
@@ -40,17 +40,16 @@ def carried(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     inertia = SpatialInertia.SolidBoxWithMass(mass, *SIZE)
     crate.SetSpatialInertiaInBodyFrame(context, inertia)
     aside = [float(parameters["ahead"]), float(parameters["left"]), 0.0]
-    X_WC = sim.plant.EvalBodyPoseInWorld(context, crate)
+    X_WC = EXAMPLE["pose"](sim, "crate")
     place = X_WC.translation() + np.array(aside)
     sim.plant.SetFreeBodyPose(context, crate, RigidTransform(X_WC.rotation(), place))
-    example = runpy.run_path(str(EXAMPLE))
-    lifted = example["carry"](sim, mass)
-    X_WC = sim.plant.EvalBodyPoseInWorld(context, crate)
-    turned = yaw_of(X_WC.rotation().matrix()) - example["ROBOT"][2]
+    lifted = EXAMPLE["carry"](sim, mass)
+    X_WC = EXAMPLE["pose"](sim, "crate")
+    turned = yaw_of(X_WC.rotation().matrix()) - EXAMPLE["ROBOT"][2]
     return {
         "stands": not sim.has_fallen,
         "lifted": float(lifted),
-        "off": float(np.linalg.norm(X_WC.translation() - example["CRATE"])),
+        "off": float(np.linalg.norm(X_WC.translation() - EXAMPLE["CRATE"])),
         "turned": abs(wrap_angle(turned)),
     }
 
@@ -65,16 +64,10 @@ def rests(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
     Returns:
         How far it has ``moved`` [m] and ``turned`` [rad].
     """
-    crate = sim.plant.GetBodyByName("crate")
-
-    def pose() -> RigidTransform:
-        context = sim.plant.GetMyContextFromRoot(sim.context)
-        return sim.plant.EvalBodyPoseInWorld(context, crate)
-
     sim.advance(0.5)
-    start = pose()
+    start = EXAMPLE["pose"](sim, "crate")
     sim.advance(float(parameters["seconds"]))
-    way = start.InvertAndCompose(pose())
+    way = start.InvertAndCompose(EXAMPLE["pose"](sim, "crate"))
     return {
         "moved": float(np.linalg.norm(way.translation())),
         "turned": way.rotation().ToAngleAxis().angle(),

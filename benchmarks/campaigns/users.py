@@ -71,7 +71,6 @@ def used(
     _push(sim, float(parameters["push"]), float(parameters["direction"]))
     if end == "walk":
         policy = None
-        _walk_on(sim, policy, speed)
     elif end in ("stand", "manipulate"):
         walks = False
         _take_over(sim, Behavior[end.upper()])

@@ -274,8 +274,9 @@ def _go_on_in_place(
     progress: WalkProgress, landing: Footstep, tick: WalkTick
 ) -> WalkProgress:
     """Returns the progress with another step in place, or the last one once quiet."""
-    left, following = progress.in_place - 1, step_in_place(landing, tick)
-    if is_quiet(tick):
+    if not is_quiet(tick):
+        left, following = progress.in_place - 1, step_in_place(landing, tick)
+    else:
         left, following = 0, square_up_step(landing, tick)
         away = landing_error(following, progress.feet[following.foot])
         if away < tick.config.rules.feet_apart:

@@ -13,9 +13,10 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
-from atlas_drake.planning.reach import TOLERANCE, HandGoal, Reach, reach
+from atlas_drake.planning.reach import HandGoal, Reach, arms_of, frame_of, reach
 from atlas_drake.robot import Robot
 from atlas_drake.units import GRAVITY
 
@@ -73,7 +74,7 @@ class HandMotion:
         """
         duration = check_number(duration, "duration", self.PERIOD, LONGEST)
         there = reach(self._robot, state, goals, self._last)
-        there.check(TOLERANCE)
+        there.check()
         context = self._context(state)
         going = {goal.hand: goal for goal in self._now(time)}
         self._from = tuple(self._start(context, goal, going) for goal in goals)
@@ -119,8 +120,7 @@ class HandMotion:
             joints = last
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
-        sides = [self._robot.file.hands.index(goal.hand) for goal in goals]
-        mine = self._robot.limb(*(("l_arm", "r_arm")[side] for side in sides))
+        mine = arms_of(self._robot, goals)
         effort = self._effort(state, joints, goals)
         return AtlasCommand(
             position=joints.tolist(),
@@ -133,11 +133,9 @@ class HandMotion:
 
     def _now(self, time: float) -> tuple[HandGoal, ...]:
         """Returns the goals on the way at a time."""
-        share = min(
-            max((time - self._begin) / max(self._duration, self.PERIOD), 0.0), 1.0
-        )
+        passed = (time - self._begin) / max(self._duration, self.PERIOD)
         # The least jerk from rest to rest (Flash and Hogan, 1985).
-        share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+        share, _, _ = quintic_progress(min(max(passed, 0.0), 1.0))
 
         def between(start: Sequence[float], end: Sequence[float]) -> list[float]:
             way = np.array(end) - np.array(start)
@@ -157,21 +155,19 @@ class HandMotion:
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
     ) -> HandGoal:
         """Returns where the way to a goal begins: where the hand is going, or is."""
-        plant = self._robot.plant
-        world, hand = plant.world_frame(), plant.GetFrameByName(goal.hand)
-        pelvis = plant.GetFrameByName(self._robot.file.pelvis)
         before = going.get(goal.hand)
         if before is None:
+            hand = self._robot.plant.GetFrameByName(goal.hand)
             X_WH = hand.CalcPoseInWorld(context)
             p, force = X_WH @ np.array(goal.point), np.zeros(3)
             axis = goal.direction if goal.axis is None else goal.axis
             direction = X_WH.rotation() @ np.array(axis)
         else:
-            X_WF = (pelvis if before.of_pelvis else world).CalcPoseInWorld(context)
+            X_WF = frame_of(self._robot, before).CalcPoseInWorld(context)
             p = X_WF @ np.array(before.position)
             direction = X_WF.rotation() @ np.array(before.direction)
             force = X_WF.rotation() @ np.array(before.force)
-        X_FW = (pelvis if goal.of_pelvis else world).CalcPoseInWorld(context).inverse()
+        X_FW = frame_of(self._robot, goal).CalcPoseInWorld(context).inverse()
         return replace(
             goal,
             position=(X_FW @ p).tolist(),
@@ -203,9 +199,6 @@ class HandMotion:
             J = plant.CalcJacobianTranslationalVelocity(
                 context, mode, hand, goal.point, world, world
             )
-            force = np.array(goal.force)
-            if goal.of_pelvis:
-                pelvis = plant.GetFrameByName(self._robot.file.pelvis)
-                force = pelvis.CalcPoseInWorld(context).rotation() @ force
-            effort = effort + J.T @ force
+            X_WF = frame_of(self._robot, goal).CalcPoseInWorld(context)
+            effort = effort + J.T @ (X_WF.rotation() @ np.array(goal.force))
         return np.asarray(effort[indices.v])
