@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.multibody.tree import Frame
 from pydrake.solvers import SnoptSolver
 
+from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import check_vector
 from atlas_drake.robot import Robot
@@ -173,6 +174,32 @@ def reach(
         for goal, frame in zip(goals, frames, strict=True)
     ]
     return Reach(tuple(goals), q[indices.q], np.array(found))
+
+
+def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
+    """Returns the goal on a straight way, with the least jerk from rest to rest.
+
+    T. Flash and N. Hogan, "The coordination of arm movements", J. Neurosci. 1985.
+
+    Args:
+        start: Where the way begins, in the frame of its end.
+        end: Where it ends.
+        share: Share of the time that has passed, 0 to 1.
+    """
+    progress, _, _ = quintic_progress(share)
+
+    def between(start: Sequence[float], end: Sequence[float]) -> list[float]:
+        way: list[float] = (
+            np.array(start) + progress * (np.array(end) - np.array(start))
+        ).tolist()
+        return way
+
+    return replace(
+        end,
+        position=between(start.position, end.position),
+        direction=between(start.direction, end.direction),
+        force=between(start.force, end.force),
+    )
 
 
 def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:

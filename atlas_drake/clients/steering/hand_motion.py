@@ -13,10 +13,16 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
-from atlas_drake.planning.reach import HandGoal, Reach, arms_of, frame_of, reach
+from atlas_drake.planning.reach import (
+    HandGoal,
+    Reach,
+    arms_of,
+    frame_of,
+    goal_between,
+    reach,
+)
 from atlas_drake.robot import Robot
 from atlas_drake.units import GRAVITY
 
@@ -134,22 +140,9 @@ class HandMotion:
     def _now(self, time: float) -> tuple[HandGoal, ...]:
         """Returns the goals on the way at a time."""
         passed = (time - self._begin) / max(self._duration, self.PERIOD)
-        # The least jerk from rest to rest (Flash and Hogan, 1985).
-        share, _, _ = quintic_progress(min(max(passed, 0.0), 1.0))
-
-        def between(start: Sequence[float], end: Sequence[float]) -> list[float]:
-            way = np.array(end) - np.array(start)
-            return (np.array(start) + share * way).tolist()
-
-        return tuple(
-            replace(
-                end,
-                position=between(start.position, end.position),
-                direction=between(start.direction, end.direction),
-                force=between(start.force, end.force),
-            )
-            for start, end in zip(self._from, self._to, strict=True)
-        )
+        share = min(max(passed, 0.0), 1.0)
+        ends = zip(self._from, self._to, strict=True)
+        return tuple(goal_between(start, end, share) for start, end in ends)
 
     def _start(
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
