@@ -42,6 +42,7 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.shipped import BEHAVIORS, registered
 from atlas_drake.systems.command_interface import CommandInterface
+from atlas_drake.systems.contact_pairs import ContactPairs
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.fall_monitor import FallMonitor
 from atlas_drake.systems.imu import InertialSensor
@@ -82,6 +83,7 @@ EXPORTED = (
     "foot_wrenches",
     "hand_wrenches",
     "contact_wrenches",
+    "contact_pairs",
     "atlas_sim_interface_state",
     "commands",
     "user_effort",
@@ -103,12 +105,13 @@ EXPORTED = (
     "estimation_error",
     "largest_estimation_error",
 )
-"""Output ports of a station; the last four only with gantry or state estimator."""
+"""Output ports of a station; some only with a gantry, a state estimator or contacts."""
 
 _FORGET = (
     "joint_pid_bank",
     "motors",
     "robot_sensors",
+    "contact_pairs",
     "inertial_sensor",
     "state_estimator",
     "push_source",
@@ -166,6 +169,7 @@ def make_atlas_station(
         user_effort: Efforts of the joint controllers [N·m], shape (n,), message order.
         behavior_state: State that the behaviors read.
         foot_wrenches, hand_wrenches, contact_wrenches: See ``RobotSensors``.
+        contact_pairs: See ``ContactPairs``; only if the scenario names ``contacts``.
         peaks: Peaks of the run so far, see ``RunStatistics``.
         pushes: ``PushState``
         fall: ``Fall``; NOTHING until the robot falls.
@@ -253,7 +257,14 @@ def make_atlas_station(
         pushed = signals["applied_spatial_force"]
         _connect(builder, gantry, {**signals, "other_spatial_force": pushed})
         signals |= _outputs(gantry)
-    signals |= _add_recorder(builder, robot, plant, scenario, signals)
+    pairs = []
+    if scenario.contacts:
+        contacts = ContactPairs(robot, plant, scenario.contacts, period)
+        add("contact_pairs", contacts)
+        _connect(builder, contacts, signals)
+        signals |= _outputs(contacts)
+        pairs = contacts.names
+    signals |= _add_recorder(builder, robot, plant, scenario, pairs, signals)
     for system in systems:
         _connect(builder, system, signals)
     behavior_signals = {**signals, "state": signals["behavior_state"]}
@@ -362,13 +373,18 @@ def _add_recorder(
     robot: Robot,
     plant: MultibodyPlant,
     scenario: Scenario,
+    contact_pairs: Sequence[str],
     signals: Mapping[str, OutputPort],
 ) -> dict[str, OutputPort]:
     """Adds what makes the records; returns its signals by name."""
     recorder = builder.AddNamedSystem(
         "tick_recorder",
         TickRecorder(
-            robot, plant, scenario.control_period, scenario.state == "estimated"
+            robot,
+            plant,
+            scenario.control_period,
+            scenario.state == "estimated",
+            contact_pairs,
         ),
     )
     # Drake joins them in a fraction of the time that reading each of them would take.

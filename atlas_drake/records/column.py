@@ -18,13 +18,17 @@ WXYZ = ("w", "x", "y", "z")
 
 
 class Names(Enum):
-    """Labels that depend on the robot and its world, in message or plant order."""
+    """Labels that depend on the robot and its world, in message or plant order.
+
+    Those of ``CONTACT_PAIRS`` are in the order of the scenario, x, y and z for each.
+    """
 
     JOINTS = "joints"
     POSITIONS = "positions"
     VELOCITIES = "velocities"
     WORLD_POSITIONS = "world positions"
     WORLD_VELOCITIES = "world velocities"
+    CONTACT_PAIRS = "contact pairs"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from atlas_drake.messages.fields import K_EFFORT_MAX
 from atlas_drake.records.column import WXYZ, XY, XYZ, Column, Group, Names
 
 Array = np.ndarray
-_JOINTS = Names.JOINTS
+_JOINTS, _PAIRS = Names.JOINTS, Names.CONTACT_PAIRS
 _CORNERS = tuple(f"{axis}{i}" for i in range(MAX_CORNERS) for axis in XY)
 _Torque = Annotated[Array, Column("contact moment in W", "N·m", XYZ)]
 _Force = Annotated[Array, Column("contact force in W", "N", XYZ)]
@@ -192,3 +192,14 @@ class Estimator(Group):
     position: Annotated[Array, Column("of the pelvis in W", "m", XYZ)]
     velocity: Annotated[Array, Column("of the pelvis in W", "m/s", XYZ)]
     rotation: Annotated[Array, Column("of the pelvis in W", "rad", XYZ)]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPairs(Group):
+    """The sums of contacts between chosen bodies, of the tick before, shape (k, 3)."""
+
+    torque: Annotated[
+        Array,
+        Column("on the first body in W, at its origin", "N·m", _PAIRS, width=3),
+    ]
+    force: Annotated[Array, Column("on the first body in W", "N", _PAIRS, width=3)]

@@ -23,6 +23,7 @@ from atlas_drake.records.column import Column, Group
 from atlas_drake.records.groups import (
     Balance,
     BehaviorNumbers,
+    ContactPairs,
     ControllerNumbers,
     Estimator,
     Feet,
@@ -77,6 +78,7 @@ class TickRecord(Group):
         request: The behavior command in force; None before the first one.
         world: None if no model beside the robot moves.
         estimator: None without a state estimator.
+        contact_pairs: None unless the scenario's ``contacts`` ask for some.
         stand, walk, step, manipulate: Feedback of these behaviors; blank while another
             behavior is active.
         feedback: Feedback of a user's own behavior as plain data; None without one.
@@ -103,6 +105,7 @@ class TickRecord(Group):
     state: State
     world: World | None = None
     estimator: Estimator | None = None
+    contact_pairs: ContactPairs | None = None
     stand: AtlasBehaviorStandFeedback = field(default_factory=_NO_STAND)
     walk: AtlasBehaviorWalkFeedback = field(default_factory=_NO_WALK)
     step: AtlasBehaviorStepFeedback = field(default_factory=_NO_STEP)

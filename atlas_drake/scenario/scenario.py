@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from annotated_types import Interval
+from annotated_types import Interval, Len
 from pydantic import BeforeValidator, Strict
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
@@ -230,6 +230,11 @@ class Scenario(CheckedOnce):
     """Seed of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
     """Random variations at the start."""
+    contacts: list[Annotated[list[str], Len(1, 2)]] = field(default_factory=list)
+    """Bodies whose contact is measured, such as ``[[l_hand, crate], [r_hand]]``: the
+    wrench of the second on the first, or of all others on it. A name is that of a body
+    of the robot or else of another model, ``MODEL::BODY`` where several have it;
+    ``world`` is the ground and all that is fixed."""
     log: LogContent = field(default_factory=LogContent)
     """What a log holds beside the numbers of every control tick."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from pydrake.geometry import SceneGraphInspector
@@ -15,14 +15,14 @@ MIN_FORCE = 5.0
 """Force below which a single contact is left out [N]."""
 
 
-def shapes_of(plant: MultibodyPlant, bodies: Mapping[int, int]) -> dict[int, int]:
-    """Maps the number of each collision shape of some bodies to what its body maps to.
+def shapes_of(plant: MultibodyPlant, bodies: Iterable[int]) -> dict[int, int]:
+    """Maps the number of each collision shape of some bodies to the body's index.
 
     A ``GeometryId`` of the plant would keep the plant alive.
     """
     return {
-        shape.get_value(): place
-        for body, place in bodies.items()
+        shape.get_value(): body
+        for body in bodies
         for shape in plant.GetCollisionGeometriesForBody(
             plant.get_body(BodyIndex(body))
         )
@@ -35,45 +35,71 @@ def contact_wrenches(
     """Sums moment and force on some bodies in W, about W's origin [N·m; N].
 
     ``bodies`` maps the index of a body in the plant to its index in the result,
-    ``shapes`` each collision shape of these bodies likewise.
+    ``shapes`` each collision shape of these bodies to the body's index.
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
+    for bodies_AB, wrenches in _contacts(results, shapes):
+        for body, wrench in zip(bodies_AB, wrenches, strict=True):
+            if (place := bodies.get(body)) is not None:
+                _add(totals[place], wrench)
+    return totals
 
-    def add(place: int, point: list[float], force: list[float]) -> None:
-        x, y, z = point
-        fx, fy, fz = force
-        total = totals[place]
-        total[0] += y * fz - z * fy
-        total[1] += z * fx - x * fz
-        total[2] += x * fy - y * fx
-        total[3] += fx
-        total[4] += fy
-        total[5] += fz
 
+def pair_wrenches(
+    results: ContactResults,
+    pairs: Sequence[tuple[int, int | None]],
+    shapes: Mapping[int, int],
+) -> list[list[float]]:
+    """Sums moment and force of one body on another in W, about W's origin [N·m; N].
+
+    Each pair has the index of the body on which the forces act, and that of the body
+    that exerts them, or None for all bodies; ``shapes`` is as above.
+    """
+    totals = [[0.0] * 6 for _ in pairs]
+    for (body_A, body_B), (on_A, on_B) in _contacts(results, shapes):
+        for total, (body, other) in zip(totals, pairs, strict=True):
+            if body == body_A and other in (None, body_B):
+                _add(total, on_A)
+            if body == body_B and other in (None, body_A):
+                _add(total, on_B)
+    return totals
+
+
+def _contacts(
+    results: ContactResults, shapes: Mapping[int, int]
+) -> Iterator[tuple[tuple[int, int], tuple[list[float], list[float]]]]:
+    """Yields both bodies of each contact and the wrenches on them, about W's origin.
+
+    A body of a surface is -1 if its shape is not among the ``shapes``.
+    """
     for k in range(results.num_point_pair_contacts()):
-        info = results.point_pair_contact_info(k)
-        # The force is that on body B.
-        on_A = bodies.get(int(info.bodyA_index()))
-        on_B = bodies.get(int(info.bodyB_index()))
-        if on_A is None and on_B is None:
-            continue
-        point, force = info.contact_point().tolist(), info.contact_force().tolist()
-        if on_B is not None:
-            add(on_B, point, force)
-        if on_A is not None:
-            add(on_A, point, [-f for f in force])
+        pair = results.point_pair_contact_info(k)
+        bodies = int(pair.bodyA_index()), int(pair.bodyB_index())
+        on_B = _wrench(pair.contact_point().tolist(), pair.contact_force().tolist())
+        yield bodies, ([-number for number in on_B], on_B)
     for k in range(results.num_hydroelastic_contacts()):
         info = results.hydroelastic_contact_info(k)
         surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
-        # The force is that on body A, whose shape is M.
-        for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
-            place = shapes.get(shape.get_value())
-            if place is not None:
-                force = (sign * F_Ac_W.translational()).tolist()
-                add(place, surface.centroid().tolist(), force)
-                for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):
-                    totals[place][axis] += moment
-    return totals
+        # Body A has the shape M.
+        ids = surface.id_M().get_value(), surface.id_N().get_value()
+        on_A = _wrench(surface.centroid().tolist(), F_Ac_W.translational().tolist())
+        _add(on_A, [*F_Ac_W.rotational().tolist(), 0.0, 0.0, 0.0])
+        yield (
+            (shapes.get(ids[0], -1), shapes.get(ids[1], -1)),
+            (on_A, [-number for number in on_A]),
+        )
+
+
+def _wrench(point: list[float], force: list[float]) -> list[float]:
+    """Returns moment and force of a force at a point, about the origin."""
+    x, y, z = point
+    fx, fy, fz = force
+    return [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, fx, fy, fz]
+
+
+def _add(total: list[float], wrench: list[float]) -> None:
+    for axis, number in enumerate(wrench):
+        total[axis] += number
 
 
 def contact_forces(

@@ -22,9 +22,10 @@ from atlas_drake.messages.commands import ActiveCommand, BehaviorRequest
 from atlas_drake.messages.controller_status import ControllerStatus, Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.joint_command import JOINT_FIELDS
-from atlas_drake.records.column import Names
+from atlas_drake.records.column import XYZ, Names
 from atlas_drake.records.groups import (
     BehaviorNumbers,
+    ContactPairs,
     ControllerNumbers,
     Estimator,
     Gains,
@@ -83,9 +84,22 @@ class TickRecorder(CollectableSystem):
     __slots__ = ()
 
     def __init__(
-        self, robot: Robot, plant: MultibodyPlant, period: float, estimated: bool
+        self,
+        robot: Robot,
+        plant: MultibodyPlant,
+        period: float,
+        estimated: bool,
+        contact_pairs: Sequence[str] = (),
     ) -> None:
-        """Latches every ``period`` [s]; ``plant`` is that of the whole simulation."""
+        """Latches the numbers of each tick.
+
+        Args:
+            robot: The robot.
+            plant: Plant of the whole simulation.
+            period: Control period [s].
+            estimated: True if there is a state estimator.
+            contact_pairs: Names of the pairs of ``ContactPairs``.
+        """
         super().__init__()
         n = robot.num_joints
         self._robot, self.period = robot, period
@@ -105,7 +119,9 @@ class TickRecorder(CollectableSystem):
             self.sizes["plant_state"] = plant.num_multibody_states()
         if estimated:
             self.sizes["estimation_error"] = 9
-        self.schema = self._schema(beside)
+        if contact_pairs:
+            self.sizes["contact_pairs"] = 6 * len(contact_pairs)
+        self.schema = self._schema(beside, contact_pairs)
         self.tick_seconds: Sequence[float] = ()
         self._places = _places(
             {
@@ -133,7 +149,9 @@ class TickRecorder(CollectableSystem):
         self.declare_value_output("record", self._latest_record)
         self.declare_vector_output("marks", len(Marks()), self._marks)
 
-    def _schema(self, beside: dict[str, dict[str, int]]) -> Schema:
+    def _schema(
+        self, beside: dict[str, dict[str, int]], pairs: Sequence[str]
+    ) -> Schema:
         model = self._model
         names = {
             Names.JOINTS: self._robot.joint_names,
@@ -141,8 +159,15 @@ class TickRecorder(CollectableSystem):
             Names.VELOCITIES: tuple(model.GetVelocityNames(False)),
             Names.WORLD_POSITIONS: tuple(beside.get("q", ())),
             Names.WORLD_VELOCITIES: tuple(beside.get("v", ())),
+            Names.CONTACT_PAIRS: tuple(
+                f"{pair}.{axis}" for pair in pairs for axis in XYZ
+            ),
         }
-        has = {"world": bool(beside), "estimator": "estimation_error" in self.sizes}
+        has = {
+            "world": bool(beside),
+            "estimator": "estimation_error" in self.sizes,
+            "contact_pairs": bool(pairs),
+        }
         groups = tuple(name for name in GROUPS if name not in OPTIONAL or has[name])
         return Schema(names, groups)
 
@@ -270,6 +295,7 @@ class TickRecorder(CollectableSystem):
             state=State(latched["state"][:num_q], latched["state"][num_q:]),
             world=self._world(latched),
             estimator=_estimator(latched),
+            contact_pairs=_contact_pairs(latched),
             **({known: feedback} if known else {"feedback": own}),
             plan=_additions(status.plan),
             footsteps=status.plan.footsteps,
@@ -327,6 +353,13 @@ def _request(commands: ActiveCommand, number: int) -> BehaviorRequest:
 def _estimator(latched: dict[str, np.ndarray]) -> Estimator | None:
     error = latched.get("estimation_error")
     return None if error is None else Estimator(error[:3], error[3:6], error[6:])
+
+
+def _contact_pairs(latched: dict[str, np.ndarray]) -> ContactPairs | None:
+    if (wrenches := latched.get("contact_pairs")) is None:
+        return None
+    torque_force = wrenches.reshape(-1, 2, 3)
+    return ContactPairs(torque_force[:, 0], torque_force[:, 1])
 
 
 def _additions(plan: Plan) -> dict[str, Any]:

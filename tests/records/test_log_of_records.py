@@ -17,7 +17,7 @@ from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import FOOTSTEP, FOOTSTEP_DATA, MESSAGE, Event
 from atlas_drake.messages.footstep import Footstep
 from atlas_drake.records import Schema, TickRecord
-from atlas_drake.records.column import Names
+from atlas_drake.records.column import XYZ, Names
 from atlas_drake.records.schema import GROUPS, OPTIONAL
 from atlas_drake.records.tick_record import ContactForce, landed_among
 from atlas_drake.systems.interface_reporter import FEEDBACK_FIELDS
@@ -77,6 +77,7 @@ def schema_of(groups):
         Names.VELOCITIES: ("wx", "wy", "wz", "vx", "vy", "vz", "hip", "knee"),
         Names.WORLD_POSITIONS: ("ball_x",),
         Names.WORLD_VELOCITIES: ("ball_vx", "ball_vy"),
+        Names.CONTACT_PAIRS: tuple(f"hip-{one}.{axis}" for one in "ab" for axis in XYZ),
     }
     kept = (name for name in GROUPS if name not in OPTIONAL or name in groups)
     return Schema(labels, tuple(kept))
