@@ -24,6 +24,7 @@ PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m
 HALF, ABOVE = 0.25, 0.03  # from the crate's middle to a palm, aside and up [m]
 SQUEEZE = 200.0  # force of each palm [N]
 UP = np.array([0.0, 0.0, 0.13])  # way of the lifted crate [m]
+IN = 0.1  # way of the lifted crate towards the body [m]
 AHEAD = 0.46  # of the robot, where it takes the crate and puts it down [m]
 ROBOT, CRATE = (0.0, 2.0, math.pi / 2), np.array([0.0, 2.0 + AHEAD, 0.975])
 X, Y = np.eye(3)[:2]
@@ -74,6 +75,7 @@ def carry(sim, mass):
     move(beside(start, X, squeeze=SQUEEZE), 1.0)
     move(beside(start + UP, X, **firm), 2.5)
     lifted = pose(sim, "crate").translation()[2] - start[2]
+    move(beside(start + UP - IN * X, X, **firm), 1.0)
     move(hands.carried(sim.time, sim.output("state")), 0.5)
     walk_to(*ROBOT, arms=True)
     move(beside(CRATE + UP, Y, **firm), 2.0)

@@ -158,7 +158,7 @@ class Balance:
         offset = self._leg_offset(observation, feet, desired, omega)
         unplanned = offset - reference.offset
         desired = desired + gains.momentum.unplanned_share * unplanned
-        offset += self._restoring_offset(observation, body)
+        offset += self._restoring_offset(observation, body) + terms.pull_offset
         cop, cmp = self.pivots(desired, offset, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()

@@ -47,7 +47,7 @@ class ControllerState(Frozen):
     supervisor: SupervisorState
     effort: np.ndarray  # Of the behavior, per joint [N·m], shape (n,).
     com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
-    loads: np.ndarray  # Masses that left and right hand carry [kg], shape (2,).
+    hands: np.ndarray  # Wrenches on the hands, followed slowly [N·m; N], shape (2, 6).
     omega: float = 1.0  # Natural frequency of the pendulum [1/s].
     solution: WholeBodySolution | None = None  # None without a QP.
     unsolved: int = 0  # Number of ticks whose QP had no solution.
@@ -106,7 +106,7 @@ class WholeBodyController(CollectableSystem):
             self._supervisor.start(initial_behavior),
             np.zeros(n),
             read_only(np.zeros(2)),
-            read_only(np.zeros(2)),
+            read_only(np.zeros((2, 6))),
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
@@ -141,7 +141,7 @@ class WholeBodyController(CollectableSystem):
             self._supervisor.restart(before.supervisor, behavior),
             np.zeros(self._robot.num_joints),
             before.com,
-            read_only(np.zeros(2)),
+            read_only(np.zeros((2, 6))),
             unsolved=before.unsolved,
             warned=before.warned,
         )
@@ -155,11 +155,16 @@ class WholeBodyController(CollectableSystem):
             self.tick_seconds.append(time.perf_counter() - begin)
 
     def _tick(self, context: Context, before: ControllerState) -> ControllerState:
-        upward = self._hand_input.Eval(context)[[5, 11]]
-        loads = read_only(self._hand_loads.follow(before.loads, upward, self._period))
-        counted = self._hand_loads.counted(loads)
+        hands = read_only(
+            self._hand_loads.follow(
+                before.hands, self._felt(context, before), self._period
+            )
+        )
         terms = self._model.evaluate(
-            self._scratch.Eval(context), self._state_input.Eval(context), counted
+            self._scratch.Eval(context),
+            self._state_input.Eval(context),
+            self._hand_loads.carried(hands),
+            hands,
         )
         commands: ActiveCommand = self._command_input.Eval(context)
         k = commands.joints.k
@@ -175,7 +180,7 @@ class WholeBodyController(CollectableSystem):
         supervisor, command = self._supervisor.update(
             before.supervisor, observation, commands.requests
         )
-        for text in self._hand_loads.news(before.loads, loads):
+        for text in self._hand_loads.news(before.hands, hands):
             event = Event(context.get_time(), "load", text)
             supervisor = supervisor.with_event(event)
         com = read_only(terms.com[:2].copy())
@@ -185,7 +190,7 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(supervisor, effort, com, loads, omega, None, *counts)
+            return ControllerState(supervisor, effort, com, hands, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(k, user, limit)
@@ -213,7 +218,7 @@ class WholeBodyController(CollectableSystem):
             supervisor,
             effort,
             com,
-            loads,
+            hands,
             omega,
             solution,
             unsolved,
@@ -221,6 +226,21 @@ class WholeBodyController(CollectableSystem):
             warned,
             None if push is None else push[:2],
         )
+
+    def _felt(self, context: Context, before: ControllerState) -> np.ndarray:
+        """Returns the wrenches on the hands, shape (2, 6).
+
+        Without those that a behavior of a user has among its contacts: the QP chooses
+        their forces.
+        """
+        felt = self._hand_input.Eval(context).reshape(2, 6).copy()
+        if felt.any() and before.solution is not None:
+            held = {
+                self._model.plant.GetFrameByName(frame).body().name()
+                for frame in before.solution.contact_wrenches
+            }
+            felt[[hand in held for hand in self._robot.file.hands]] = 0.0
+        return felt
 
     def _status(self, context: Context) -> ControllerStatus:
         state = self._state.get(context)
@@ -239,9 +259,9 @@ class WholeBodyController(CollectableSystem):
         solution, push = state.solution, state.com_push
         if solution is None or push is None:
             return plan
-        force = sum(solution.contact_wrenches.values(), np.zeros(6))[3:5]
+        force = sum(solution.contact_wrenches.values(), state.hands.sum(axis=0))[3:5]
         rate = (plan.omega or state.omega) ** 2
-        mass = self._robot.mass + float(self._hand_loads.counted(state.loads).sum())
+        mass = self._robot.mass + float(self._hand_loads.carried(state.hands).sum())
         return replace(
             plan,
             cmp_reference=read_only(state.com - push / rate),

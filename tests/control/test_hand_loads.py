@@ -5,7 +5,7 @@ import pytest
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import SpatialInertia
 
-from atlas_drake import AtlasSimulation
+from atlas_drake import AtlasSimulation, HandGoal, HandMotion, Scenario
 from atlas_drake.control.whole_body.hand_loads import HandLoads
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.units import GRAVITY
@@ -13,33 +13,96 @@ from atlas_drake.units import GRAVITY
 DT = 0.009
 
 
-def after(seconds, force, loads=(0.0, 0.0), rules=None):
-    loads = np.array(loads)
+def wrenches(left=(0.0, 0.0, 0.0), right=(0.0, 0.0, 0.0)):
+    """Wrenches of forces at the origins of the hands."""
+    return np.array([[0.0, 0.0, 0.0, *left], [0.0, 0.0, 0.0, *right]])
+
+
+def after(seconds, felt, before=None):
+    now = wrenches() if before is None else before
     for _ in range(round(seconds / DT)):
-        loads = (rules or HandLoads()).follow(loads, np.array(force), DT)
-    return loads
+        now = HandLoads().follow(now, felt, DT)
+    return now
 
 
 def test_a_load_counts_once_it_stays_and_a_bump_does_not():
     rules = HandLoads()
-    np.testing.assert_allclose(after(2.0, [-98.1, 0.0]), [10.0, 0.0], atol=0.01)
-    bump = after(DT, [-50.0, 0.0])
-    assert not rules.counted(bump).any()
-    assert not after(3.0, [0.0, 0.0], loads=[10.0, 10.0]).any()
+    carried = rules.carried(after(2.0, wrenches([0.0, 0.0, -98.1])))
+    np.testing.assert_allclose(carried, [10.0, 0.0], atol=0.01)
+    bump = after(DT, wrenches([0.0, 0.0, -50.0]))
+    assert not rules.carried(bump).any()
+    assert not after(3.0, wrenches(), before=bump).any()
 
 
 def test_a_table_that_the_hands_lean_on_is_no_load():
-    assert not after(2.0, [200.0, 50.0]).any()
+    leaning = after(2.0, wrenches([0.0, 0.0, 200.0], [0.0, 0.0, 50.0]))
+    assert not HandLoads().carried(leaning).any()
 
 
 def test_the_news_are_told_once():
     rules = HandLoads()
-    assert rules.news(np.array([0.0, 6.0]), np.array([5.0, 6.0])) == [
-        "the left hand takes up a load"
-    ]
-    assert rules.news(np.array([5.0, 6.0]), np.array([5.0, 0.0])) == [
-        "the right hand is empty again"
-    ]
+    heavy, light = wrenches([0.0, 0.0, -49.0], [0.0, 0.0, -59.0]), wrenches()
+    right = wrenches(right=[0.0, 0.0, -59.0])
+    assert rules.news(right, heavy) == ["the left hand takes up a load"]
+    assert rules.news(heavy, right) == ["the left hand is empty again"]
+    assert rules.news(light, light) == []
+
+
+def test_the_model_has_what_pulls_at_the_hands_beside_their_loads():
+    """Its generalized force is virtual work: J^T of the hand, without the load's."""
+    sim = AtlasSimulation()
+    model, state = WholeBodyModel(sim.robot), sim.output("state")
+    context, loads = model.create_context(), np.array([5.0, 0.0])
+    felt = wrenches([20.0, -30.0, -5.0 * GRAVITY], [0.0, 40.0, 0.0])
+    loaded = model.evaluate(context, state, loads)
+    pulled = model.evaluate(context, state, loads, felt)
+    hands = [pulled.frame(name) for name in ("l_hand", "r_hand")]
+    at = model.plant.GetBodyByName("l_hand").default_com()
+    arm = hands[0].R_WF @ at
+    felt[0] += [*np.cross(arm, [0.0, 0.0, 5.0 * GRAVITY]), 0.0, 0.0, 5.0 * GRAVITY]
+    work = sum(hand.J_WF.T @ wrench for hand, wrench in zip(hands, felt, strict=True))
+    np.testing.assert_allclose(loaded.h - pulled.h, work, atol=1e-9)
+    np.testing.assert_allclose(pulled.pull[3:], [20.0, 10.0, 0.0], atol=1e-9)
+    moment = sum(
+        wrench[:3] + np.cross(hand.p_WF, wrench[3:])
+        for hand, wrench in zip(hands, felt, strict=True)
+    )
+    np.testing.assert_allclose(pulled.pull[:3], moment, atol=1e-9)
+    assert not loaded.pull.any()
+    assert not loaded.pull_offset.any()
+
+
+def test_a_robot_that_presses_against_a_wall_stays_upright():
+    """The wall's force is part of the model: the CoP moves, the robot does not."""
+    wall = {"size": [0.1, 1.0, 2.0], "position": [0.57, 0.0, 2.0]}
+    sim, height = AtlasSimulation(Scenario(terrain=[wall])), 1.05
+    hands = HandMotion(sim.robot, stiffness=200.0, damping=20.0)
+
+    def press(ahead, force, seconds):
+        goals = [
+            HandGoal(
+                hand,
+                [ahead, side * 0.25, height],
+                [0.0, side * 0.1, 0.0],
+                axis=[0.0, side, 0.0],
+                force=[force, 0.0, 0.0],
+            )
+            for hand, side in (("l_hand", 1.0), ("r_hand", -1.0))
+        ]
+        hands.aim(sim.time, sim.output("state"), goals, 1.0)
+        end = sim.time + seconds
+        while sim.time < end:
+            sim.publish(hands.command(sim.time, sim.output("state")))
+            sim.advance(hands.PERIOD)
+        return sim.record
+
+    free, pressed = press(0.38, 0.0, 1.5), press(0.41, 30.0, 4.0)
+    force = pressed.hands.left_force[0] + pressed.hands.right_force[0]
+    assert force < -70.0
+    np.testing.assert_allclose(pressed.balance.com, free.balance.com, atol=0.003)
+    shift = pressed.balance.cop[0] - free.balance.cop[0]
+    tipping = force * height / (sim.robot.mass * GRAVITY)
+    assert shift == pytest.approx(tipping, rel=0.15)
 
 
 def test_the_model_has_the_loads_and_loses_them_again():

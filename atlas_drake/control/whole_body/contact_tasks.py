@@ -24,7 +24,7 @@ _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 
 @dataclass(frozen=True)
 class ComTask(Task):
-    """Acceleration of the center of mass through the contacts: m c̈ = Σ f + m g.
+    """Acceleration of the center of mass: m c̈ = Σ f + m g, and what pulls at the hands.
 
     Attributes:
         target: Acceleration in W [m/s²], shape (3,).
@@ -35,12 +35,12 @@ class ComTask(Task):
     weight: np.ndarray | float
 
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
-        """Returns G ∈ R^{3 × 6 c} and the acceleration of gravity."""
+        """Returns G ∈ R^{3 × 6 c} and the acceleration without contacts."""
         per_mass = 1.0 / terms.mass
         G = np.zeros((3, WRENCH * len(contacts)))
         for axis in range(3):
             G[axis, 3 + axis :: WRENCH] = per_mass
-        return TaskRows(None, _FREE_FALL, G)
+        return TaskRows(None, _FREE_FALL + per_mass * terms.pull[3:], G)
 
 
 @dataclass(frozen=True)

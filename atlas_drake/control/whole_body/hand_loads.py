@@ -1,7 +1,7 @@
-"""What the hands carry, from the vertical forces on them.
+"""What the hands carry and what pulls at them, from the wrenches on them.
 
-The mass on a hand follows the force: a squeeze, a bump or a touchdown is over before it
-counts. A table that the hands lean on pushes up, and is no load.
+Both follow the wrenches slowly: a bump or a touchdown is over before it counts. A table
+that the hands lean on pushes up, and is no load.
 """
 
 from __future__ import annotations
@@ -16,35 +16,37 @@ from atlas_drake.units import GRAVITY, Kilograms, Seconds
 
 @dataclass(frozen=True)
 class HandLoads(Configuration):
-    """How loads on the hands become part of the controller's model."""
+    """How forces on the hands become part of the controller's model."""
 
     delay: NotNegative[Seconds] = 0.15
-    """Time constant with which the model's loads follow the forces."""
+    """Time constant with which the model follows the forces."""
     least: NotNegative[Kilograms] = 0.5
     """Mass from which a hand counts as carrying something."""
 
-    def follow(self, loads: np.ndarray, force: np.ndarray, dt: float) -> np.ndarray:
-        """Returns the masses after a tick.
+    def follow(self, wrenches: np.ndarray, felt: np.ndarray, dt: float) -> np.ndarray:
+        """Returns the wrenches of the model after a tick.
 
         Args:
-            loads: Masses on the left and the right hand before it [kg], shape (2,).
-            force: Upward forces on the hands [N], shape (2,).
+            wrenches: Those of the left and the right hand before it [N·m; N], shape
+                (2, 6).
+            felt: The measured ones.
             dt: Length of the tick [s].
         """
-        felt = np.maximum(-force / GRAVITY, 0.0)
-        after = loads + dt / (dt + self.delay) * (felt - loads)
-        empty = (felt == 0.0) & (after < self.least)
-        return np.where(empty, 0.0, after)
+        after = wrenches + dt / (dt + self.delay) * (felt - wrenches)
+        faint = np.linalg.norm(after[:, 3:], axis=1) < self.least * GRAVITY
+        after[faint & ~felt.any(axis=1)] = 0.0
+        return after
+
+    def carried(self, wrenches: np.ndarray) -> np.ndarray:
+        """Returns the masses that left and right hand carry [kg], shape (2,)."""
+        masses = -wrenches[:, 5] / GRAVITY
+        return np.where(masses < self.least, 0.0, masses)
 
     def news(self, before: np.ndarray, after: np.ndarray) -> list[str]:
         """Says which hands have taken up or given away a load."""
-        carried, carries = self.counted(before) > 0.0, self.counted(after) > 0.0
+        carried, carries = self.carried(before) > 0.0, self.carried(after) > 0.0
         return [
             f"the {side} hand {'takes up a load' if now else 'is empty again'}"
             for side, then, now in zip(("left", "right"), carried, carries, strict=True)
             if then != now
         ]
-
-    def counted(self, loads: np.ndarray) -> np.ndarray:
-        """Returns the masses that the model has [kg], shape (2,)."""
-        return np.where(loads < self.least, 0.0, loads)

@@ -24,11 +24,12 @@ from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
+from atlas_drake.rotations import cross
 from atlas_drake.units import GRAVITY
 
 _ORIGIN = np.zeros(3)
 _NO_BIAS = read_only(np.zeros(6))
-_NO_LOADS = read_only(np.zeros(2))
+_NO_LOADS, _NO_PULL = read_only(np.zeros(2)), read_only(np.zeros((2, 6)))
 _PARTS = (slice(0, 6), slice(6, 12), slice(12, 18))
 """Rows of the frames that every tick needs, stacked."""
 
@@ -73,13 +74,19 @@ class WholeBodyModel:
         return self._plant.CreateDefaultContext()
 
     def evaluate(
-        self, context: Context, state: np.ndarray, loads: np.ndarray = _NO_LOADS
+        self,
+        context: Context,
+        state: np.ndarray,
+        loads: np.ndarray = _NO_LOADS,
+        wrenches: np.ndarray = _NO_PULL,
     ) -> WholeBodyTerms:
         """Computes all terms at one state of the robot, positions and velocities.
 
         The scratch context is overwritten, and read again when ``terms.frame`` computes
         a further frame. ``loads`` are the masses that the left and the right hand carry
         [kg], shape (2,): part of the robot's mass, inertia and center of mass.
+        ``wrenches`` are those on the hands at their origins, the weight of the loads
+        included [N·m; N], shape (2, 6).
         """
         self._carry(context, loads)
         plant, indices = self._plant, self._indices
@@ -100,6 +107,9 @@ class WholeBodyModel:
         h += GRAVITY * M[:, 5]
         # A swinging foot is so light about the ankle that the joint's damping counts.
         h[6:] += self._damping * v[6:]
+        pull = np.zeros(6)
+        if wrenches.any():
+            pull = self._pull(context, loads, wrenches, h)
 
         def compute_frame(name: str) -> FrameTerms:
             if not np.array_equal(plant.GetPositionsAndVelocities(context), state):
@@ -128,7 +138,7 @@ class WholeBodyModel:
         com = plant.CalcCenterOfMassPositionInWorld(context)
         mass = self.robot.mass + float(loads.sum())
         com_velocity = (M[3:6] @ v) / mass
-        for array in (q, M, h, R_WP, p_WP, com, com_velocity):
+        for array in (q, M, h, R_WP, p_WP, com, com_velocity, pull):
             array.setflags(write=False)
         return WholeBodyTerms(
             mass=mass,
@@ -143,6 +153,7 @@ class WholeBodyModel:
             w_WC=chest.V_WF[:3],
             com=com,
             com_velocity=com_velocity,
+            pull=pull,
             feet=(left, right),
             frames=dict(zip(self._names, [*tracked, pelvis], strict=True)),
             compute_frame=compute_frame,
@@ -157,6 +168,25 @@ class WholeBodyModel:
                 at = inertia.get_com()
                 inertia += SpatialInertia(load, at, UnitInertia.PointMass(at))
                 hand.SetSpatialInertiaInBodyFrame(context, inertia)
+
+    def _pull(
+        self, context: Context, loads: np.ndarray, wrenches: np.ndarray, h: np.ndarray
+    ) -> np.ndarray:
+        """Takes the wrenches on the hands into ``h``; returns their sum about W.
+
+        The weight of the loads is there already.
+        """
+        pull = np.zeros(6)
+        for hand, load, felt in zip(self._hands, loads, wrenches, strict=True):
+            J, _ = self._differential(context, hand.body_frame())
+            X_WH, wrench = hand.EvalPoseInWorld(context), felt.copy()
+            lift = np.array([0.0, 0.0, GRAVITY * float(load)])
+            at = X_WH.rotation() @ hand.default_com()
+            wrench += np.concatenate([cross(at, lift), lift])
+            h -= J.T @ wrench
+            wrench[:3] += cross(X_WH.translation(), wrench[3:])
+            pull += wrench
+        return pull
 
     def _frame(self, name: str) -> Frame:
         """The plant's frame of this name."""

@@ -11,6 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atlas_drake.rotations import cross
+from atlas_drake.units import GRAVITY
+
 
 class FrameTerms(NamedTuple):
     """Kinematics of one frame F of the robot.
@@ -53,6 +56,8 @@ class WholeBodyTerms:
         w_WC: Angular velocity of the chest in W [rad/s].
         com: Center of mass in W [m].
         com_velocity: Velocity of the center of mass in W [m/s].
+        pull: Wrench on the hands in W, about its origin [N·m; N], shape (6,), beyond
+            the weight of loads that are in ``mass``; a part of ``h``.
         feet: Left and right sole.
         frames: Frames computed so far, by name. Read them with ``frame``.
         compute_frame: Computes a frame of the robot by name.
@@ -70,9 +75,24 @@ class WholeBodyTerms:
     w_WC: np.ndarray
     com: np.ndarray
     com_velocity: np.ndarray
+    pull: np.ndarray
     feet: tuple[FrameTerms, FrameTerms]
     frames: dict[str, FrameTerms]
     compute_frame: Callable[[str], FrameTerms]
+
+    @property
+    def pull_offset(self) -> np.ndarray:
+        """How far the pull moves the CMP from the CoP [m], shape (2,).
+
+        The CMP p of a constant center of mass is below it, and there m·g·(p - CoP) + M
+        = 0 for the moment M of the pull about the ground below.
+        """
+        if not self.pull.any():
+            return np.zeros(2)
+        below = self.com.copy()
+        below[2] = 0.5 * (self.feet[0].p_WF[2] + self.feet[1].p_WF[2])
+        M_x, M_y, _ = (self.pull[:3] - cross(below, self.pull[3:])).tolist()
+        return np.array([-M_y, M_x]) / (self.mass * GRAVITY)
 
     def frame(self, name: str) -> FrameTerms:
         """Returns the kinematics of any frame; computed at the first request.
