@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from atlas_drake.clients.logs import Log, LogError, read_log
     from atlas_drake.clients.session import AtlasSimulation
     from atlas_drake.clients.steering.hand_motion import HandMotion
+    from atlas_drake.clients.steering.hand_work import HandWork
     from atlas_drake.clients.steering.step_stream import StepStream
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.messages.controller_status import (
@@ -88,6 +89,7 @@ _LAZY = {
     "stop_walking": "atlas_drake.planning.walk_at",
     "HandGoal": "atlas_drake.planning.reach",
     "HandMotion": "atlas_drake.clients.steering.hand_motion",
+    "HandWork": "atlas_drake.clients.steering.hand_work",
     "reach": "atlas_drake.planning.reach",
     "walk_at": "atlas_drake.planning.walk_at",
     "walk_to": "atlas_drake.planning.waypoints",
@@ -108,6 +110,7 @@ __all__ = [  # noqa: PLE0604
     "Gait",
     "HandGoal",
     "HandMotion",
+    "HandWork",
     "InvalidMessageError",
     "Jitter",
     "Model",

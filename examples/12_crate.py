@@ -11,29 +11,16 @@ import sys
 
 import numpy as np
 
-from atlas_drake import (
-    AtlasSimulation,
-    HandGoal,
-    HandMotion,
-    Scenario,
-    StepStream,
-    steps_to,
-)
+from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
 PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
 HALF, ABOVE = 0.25, 0.03  # from the crate's middle to a palm, aside and up [m]
 SQUEEZE = 200.0  # force of each palm [N]
 UP = np.array([0.0, 0.0, 0.13])  # way of the lifted crate [m]
-IN = 0.1  # way of the lifted crate towards the body [m]
+NEARER = 0.1  # way of the lifted crate towards the body [m]
 AHEAD = 0.46  # of the robot, where it takes the crate and puts it down [m]
 ROBOT, CRATE = (0.0, 2.0, math.pi / 2), np.array([0.0, 2.0 + AHEAD, 0.975])
 X, Y = np.eye(3)[:2]
-
-
-def pose(sim, body):
-    """Returns the pose of a body in W."""
-    context = sim.plant.GetMyContextFromRoot(sim.context)
-    return sim.plant.EvalBodyPoseInWorld(context, sim.plant.GetBodyByName(body))
 
 
 def beside(middle, ahead, gap=0.0, squeeze=0.0, lift=0.0):
@@ -50,39 +37,27 @@ def beside(middle, ahead, gap=0.0, squeeze=0.0, lift=0.0):
 
 def carry(sim, mass):
     """Carries a crate of a mass [kg] over; returns how far it was lifted [m]."""
-    hands, firm = HandMotion(sim.robot), {"squeeze": SQUEEZE, "lift": 9.81 * mass}
+    work, firm = HandWork(sim), {"squeeze": SQUEEZE, "lift": 9.81 * mass}
 
-    def walk_to(x, y, yaw, arms=False):
-        walk = StepStream(steps_to(sim.atlas_sim_interface_state, x, y, yaw))
-        while not (sim.has_fallen or walk.is_over(sim.atlas_sim_interface_state)):
-            if command := walk.next_command(sim.atlas_sim_interface_state):
-                sim.publish(command)
-            if arms:
-                sim.publish(hands.command(sim.time, sim.output("state")))
-            sim.advance(hands.PERIOD)
-
-    def move(goals, seconds):
-        hands.aim(sim.time, sim.output("state"), goals, seconds)
-        while not (sim.has_fallen or hands.is_there(sim.time - 0.3)):
-            sim.publish(hands.command(sim.time, sim.output("state")))
-            sim.advance(hands.PERIOD)
+    def crate():
+        return sim.frame_pose("crate").translation()
 
     sim.advance(0.5)
-    start = pose(sim, "crate").translation()
-    walk_to(start[0] - AHEAD, start[1], 0.0)
-    move(beside(start - 0.12 * X + 0.4 * UP, X, gap=0.15), 1.5)
-    move(beside(start, X, gap=0.06), 1.5)
-    move(beside(start, X, squeeze=SQUEEZE), 1.0)
-    move(beside(start + UP, X, **firm), 2.5)
-    lifted = pose(sim, "crate").translation()[2] - start[2]
-    move(beside(start + UP - IN * X, X, **firm), 1.0)
-    move(hands.carried(sim.time, sim.output("state")), 0.5)
-    walk_to(*ROBOT, arms=True)
-    move(beside(CRATE + UP, Y, **firm), 2.0)
-    grip = CRATE + UP - pose(sim, "crate").translation()  # hands from the crate
-    move(beside(CRATE + grip, Y, **firm), 1.5)
-    move(beside(CRATE + grip, Y), 0.5)
-    move(beside(CRATE + grip, Y, gap=0.08), 1.0)
+    start = crate()
+    work.walk_to(start[0] - AHEAD, start[1], 0.0)
+    work.move(beside(start - 0.12 * X + 0.4 * UP, X, gap=0.15), 1.5)
+    work.move(beside(start, X, gap=0.06), 1.5)
+    work.move(beside(start, X, squeeze=SQUEEZE), 1.0)
+    work.move(beside(start + UP, X, **firm), 2.5)
+    lifted = crate()[2] - start[2]
+    work.move(beside(start + UP - NEARER * X, X, **firm), 1.0)
+    work.hold()
+    work.walk_to(*ROBOT)
+    work.move(beside(CRATE + UP, Y, **firm), 2.0)
+    grip = CRATE + UP - crate()  # hands from the crate
+    work.move(beside(CRATE + grip, Y, **firm), 1.5)
+    work.move(beside(CRATE + grip, Y), 0.5)
+    work.move(beside(CRATE + grip, Y, gap=0.08), 1.0)
     return lifted
 
 
@@ -93,6 +68,6 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
     sim = AtlasSimulation(Scenario(world="tables"), view=not options.headless)
     carry(sim, 10.0)
-    there = np.linalg.norm(pose(sim, "crate").translation() - CRATE) < 0.03
+    there = np.linalg.norm(sim.frame_pose("crate").translation() - CRATE) < 0.03
     print("The crate is on the other table." if there else "The crate is elsewhere.")
     sys.exit(not there)

@@ -21,6 +21,9 @@ EXPECTED = {
     "10_obstacles": "Atlas stands behind it.",
     "11_tour": "Atlas completed its tour.",
     "12_crate": "The crate is on the other table.",
+    "13_valve": "The valve is open.",
+    "14_door": "Atlas is through the door.",
+    "15_box": "The box is out of the way.",
     "walker": "Atlas stands.",
     "walker_qp": "Atlas stands.",
 }

@@ -678,17 +678,19 @@ class AtlasSimulation:
         return self.frame_pose(self.robot.file.pelvis)
 
     def frame_pose(self, name: str) -> RigidTransform:
-        """Pose of a body or frame of the robot in the world.
+        """Pose of a body or frame in the world.
 
         Args:
-            name: In the robot's URDF, such as ``l_hand`` or ``r_sole``.
+            name: Of the robot, such as ``l_hand`` or ``r_sole``, or else of another
+                model, such as ``crate``.
 
         Raises:
-            ValueError: If the robot has neither a body nor a frame of that name.
+            ValueError: If there is no frame of that name, or there are several.
         """
         own = self.robot.instance(self.plant)
         try:
-            frame = self.plant.GetFrameByName(name, own)
+            models = [own] if self.plant.HasFrameNamed(name, own) else []
+            frame = self.plant.GetFrameByName(name, *models)
         except (RuntimeError, TypeError) as error:
             raise ValueError(f"there is no frame {name!r}: {error}") from error
         return frame.CalcPoseInWorld(self.part("plant")[1])

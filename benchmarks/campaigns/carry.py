@@ -40,11 +40,11 @@ def carried(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     inertia = SpatialInertia.SolidBoxWithMass(mass, *SIZE)
     crate.SetSpatialInertiaInBodyFrame(context, inertia)
     aside = [float(parameters["ahead"]), float(parameters["left"]), 0.0]
-    X_WC = EXAMPLE["pose"](sim, "crate")
+    X_WC = sim.frame_pose("crate")
     place = X_WC.translation() + np.array(aside)
     sim.plant.SetFreeBodyPose(context, crate, RigidTransform(X_WC.rotation(), place))
     lifted = EXAMPLE["carry"](sim, mass)
-    X_WC = EXAMPLE["pose"](sim, "crate")
+    X_WC = sim.frame_pose("crate")
     turned = yaw_of(X_WC.rotation().matrix()) - EXAMPLE["ROBOT"][2]
     return {
         "stands": not sim.has_fallen,
@@ -65,9 +65,9 @@ def rests(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
         How far it has ``moved`` [m] and ``turned`` [rad].
     """
     sim.advance(0.5)
-    start = EXAMPLE["pose"](sim, "crate")
+    start = sim.frame_pose("crate")
     sim.advance(float(parameters["seconds"]))
-    way = start.InvertAndCompose(EXAMPLE["pose"](sim, "crate"))
+    way = start.InvertAndCompose(sim.frame_pose("crate"))
     return {
         "moved": float(np.linalg.norm(way.translation())),
         "turned": way.rotation().ToAngleAxis().angle(),

@@ -1,0 +1,90 @@
+"""Work of the hands: their motions and the robot's walks, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from atlas_drake.clients.steering.hand_motion import DAMPING, STIFFNESS, HandMotion
+from atlas_drake.clients.steering.step_stream import StepStream
+from atlas_drake.planning.footstep_planner import steps_to
+from atlas_drake.planning.reach import HandGoal
+from atlas_drake.simulation.atlas_simulation import AtlasSimulation
+
+
+class HandWork:
+    """A simulation and its hands. Each act lasts until it is done, or the robot falls.
+
+    Hands with a goal keep it: in the world while the robot stands, and after ``hold``
+    at the pelvis, also while it walks.
+    """
+
+    SETTLING = 0.3
+    """Time that hands are given at the end of a motion [s]."""
+
+    def __init__(
+        self,
+        sim: AtlasSimulation,
+        stiffness: float = STIFFNESS,
+        damping: float = DAMPING,
+    ) -> None:
+        """Works with the hands of a simulation, as ``HandMotion`` holds them.
+
+        Args:
+            sim: The simulation.
+            stiffness: Of the arms' joints [N·m/rad].
+            damping: Of the arms' joints [N·m·s/rad].
+        """
+        self._sim = sim
+        self._hands = HandMotion(sim.robot, stiffness, damping)
+        self._busy = False
+
+    def move(self, goals: Sequence[HandGoal], duration: float) -> None:
+        """Moves hands to their goals along straight lines.
+
+        Args:
+            goals: At most one for each hand; a hand without one is the behavior's.
+            duration: Time in which they get there [s].
+
+        Raises:
+            InvalidMessageError: If a goal is out of reach.
+        """
+        sim = self._sim
+        self._hands.aim(sim.time, sim.output("state"), goals, duration)
+        self._busy = True
+        while not self._hands.is_there(sim.time - self.SETTLING):
+            if not self._go_on():
+                return
+
+    def hold(self, duration: float = 0.5) -> None:
+        """Keeps the hands where they are at the pelvis from now on.
+
+        Args:
+            duration: Time until they are [s].
+        """
+        sim = self._sim
+        self.move(self._hands.carried(sim.time, sim.output("state")), duration)
+
+    def walk_to(self, x: float, y: float, yaw: float) -> None:
+        """Walks to a place in W, with the hands as they are.
+
+        Args:
+            x: Of the middle between the soles [m].
+            y: Of the middle between the soles [m].
+            yaw: Heading there [rad].
+        """
+        sim = self._sim
+        walk = StepStream(steps_to(sim.atlas_sim_interface_state, x, y, yaw))
+        while not walk.is_over(sim.atlas_sim_interface_state):
+            command = walk.next_command(sim.atlas_sim_interface_state)
+            if command is not None:
+                sim.publish(command)
+            if not self._go_on():
+                return
+
+    def _go_on(self) -> bool:
+        """Simulates until the next command of the hands; False once the robot fell."""
+        sim = self._sim
+        if self._busy:
+            sim.publish(self._hands.command(sim.time, sim.output("state")))
+        sim.advance(self._hands.PERIOD)
+        return not sim.has_fallen

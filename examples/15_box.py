@@ -1,0 +1,47 @@
+"""Two hands push a box of 10 kg out of the way, by half a meter.
+
+The arms are yours and stay where they are at the pelvis; WALK does the rest.
+benchmarks/campaigns/box.yaml repeats it with other masses and places.
+"""
+
+import argparse
+import signal
+import sys
+
+from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
+
+PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
+PLACE = [0.4, 0.22, -0.05]  # of the left palm, from the pelvis [m]
+HALF = 0.35  # from the box's middle to its near side [m]
+FIST = 0.11  # from a palm to the end of the fist [m]
+WAY = 0.5  # of the box [m]
+
+
+def push(sim, way):
+    """Pushes the box away by this [m]; returns how far it went [m]."""
+    work, box = HandWork(sim), sim.frame_pose("box").translation()
+    sim.advance(0.5)
+    goals = []
+    for hand, point in PALMS.items():
+        side = 1.0 if hand == "l_hand" else -1.0
+        place = [PLACE[0], side * PLACE[1], PLACE[2]]
+        axis = [0.0, side, 0.0]
+        goals.append(HandGoal(hand, place, point, axis, of_pelvis=True))
+    work.move(goals, 1.5)
+    there, pushed = box[0] - HALF - FIST - PLACE[0], 0.0
+    for _ in range(2):  # Arms that give way leave something for a second walk.
+        there += way - pushed
+        work.walk_to(there, box[1], 0.0)
+        pushed = sim.frame_pose("box").translation()[0] - box[0]
+    return pushed
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--headless", action="store_true", help="no 3D view")
+    options = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
+    sim = AtlasSimulation(Scenario(world="box"), view=not options.headless)
+    done = push(sim, WAY) > WAY - 0.05 and not sim.has_fallen
+    print("The box is out of the way." if done else "The box is still there.")
+    sys.exit(not done)
