@@ -24,6 +24,7 @@ EXPECTED = {
     "13_valve": "The valve is open.",
     "14_door": "Atlas is through the door.",
     "15_box": "The box is out of the way.",
+    "16_tray": "The glass is served.",
     "walker": "Atlas stands.",
     "walker_qp": "Atlas stands.",
 }

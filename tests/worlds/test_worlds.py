@@ -46,7 +46,7 @@ def test_level_ground_is_the_default_and_adds_nothing():
 
 def test_the_shipped_worlds_have_something_and_a_free_start():
     shipped = {"qual_task_1", "stairs", "ramp", "blocks", "rubble", "bricks", "tables"}
-    shipped |= {"valve", "door", "box"}
+    shipped |= {"valve", "door", "box", "tray"}
     assert set(available_worlds()) == {"level"} | shipped
     for name in shipped:
         world = load_world(name)
