@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from pydrake.geometry import SceneGraphInspector
@@ -30,17 +30,22 @@ def shapes_of(plant: MultibodyPlant, bodies: Iterable[int]) -> dict[int, int]:
 
 
 def contact_wrenches(
-    results: ContactResults, bodies: Mapping[int, int], shapes: Mapping[int, int]
+    results: ContactResults,
+    bodies: Mapping[int, int],
+    shapes: Mapping[int, int],
+    ignored: Mapping[int, Collection[int]],
 ) -> list[list[float]]:
     """Sums moment and force on some bodies in W, about W's origin [N·m; N].
 
     ``bodies`` maps the index of a body in the plant to its index in the result,
-    ``shapes`` each collision shape of these bodies to the body's index.
+    ``shapes`` each collision shape to the body's index, of these bodies and of those
+    whose contact with one of them is ``ignored``.
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
-    for bodies_AB, wrenches in _contacts(results, shapes):
-        for body, wrench in zip(bodies_AB, wrenches, strict=True):
-            if (place := bodies.get(body)) is not None:
+    for (body_A, body_B), (on_A, on_B) in _contacts(results, shapes):
+        for body, other, wrench in ((body_A, body_B, on_A), (body_B, body_A, on_B)):
+            place = bodies.get(body)
+            if place is not None and other not in ignored.get(body, ()):
                 _add(totals[place], wrench)
     return totals
 

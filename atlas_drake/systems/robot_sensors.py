@@ -47,7 +47,8 @@ class RobotSensors(NoisySystem):
             [N·m; N], shape (12,), at the instant of ``foot_loads``.
         hand_wrenches: Wrenches on both hands, in W at their body origins [N·m; N],
             shape (12,), of contacts and of the weight of other models that are welded
-            to them; zero for a robot without hands.
+            to them; zero for a robot without hands. A hand that touches the robot
+            itself moves nothing, and feels nothing.
         contact_wrenches: The wrenches of contacts on feet and hands, all about W's
             origin, shape (24,).
         atlas_state: ``AtlasState``
@@ -88,7 +89,9 @@ class RobotSensors(NoisySystem):
             self._bodies[index] = len(feet) + hand
             if plant.get_body(BodyIndex(index)).model_instance() != own:
                 tools.append((hand, index))
-        self._shapes = shapes_of(plant, self._bodies)
+        links = {int(index) for index in plant.GetBodyIndices(own)}
+        self._shapes = shapes_of(plant, links | self._bodies.keys())
+        self._ignored = dict.fromkeys(robot.hand_bodies(plant), links)
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
         self._state = self.DeclareVectorInputPort("state", num_states)
@@ -165,7 +168,7 @@ class RobotSensors(NoisySystem):
         # The plant's step at this instant solves the contacts anyway; before the
         # controller's update they would be solved once more, with outdated efforts.
         totals = contact_wrenches(
-            self._contacts.Eval(context), self._bodies, self._shapes
+            self._contacts.Eval(context), self._bodies, self._shapes, self._ignored
         )
         wrenches = np.zeros(24)
         wrenches[: 6 * len(totals)] = [number for total in totals for number in total]

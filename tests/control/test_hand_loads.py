@@ -142,3 +142,21 @@ def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
     loads = sim.output("foot_wrenches")[[5, 11]]
     assert loads.sum() == pytest.approx((sim.robot.mass + 10.0) * GRAVITY, rel=0.01)
     assert loads[0] == pytest.approx(loads[1], rel=0.1)
+
+
+def test_a_hand_on_the_own_hip_is_no_pull():
+    sim = AtlasSimulation()
+    hands = HandMotion(sim.robot)
+    hip = HandGoal("l_hand", [0.0, 0.24, 0.0], [0.0, 0.1, 0.0], of_pelvis=True)
+    hands.aim(sim.time, sim.output("state"), [hip], 1.0)
+    hand, touched = sim.plant.GetBodyByName("l_hand").index(), False
+    while sim.time < 2.0:
+        sim.publish(hands.command(sim.time, sim.output("state")))
+        sim.advance(hands.PERIOD)
+        results = sim.output("contact_results")
+        pairs = map(
+            results.point_pair_contact_info, range(results.num_point_pair_contacts())
+        )
+        touched |= any(hand in (one.bodyA_index(), one.bodyB_index()) for one in pairs)
+        assert not sim.output("hand_wrenches").any()
+    assert touched

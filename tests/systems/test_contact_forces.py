@@ -79,7 +79,7 @@ def check_sensors(sim, push):
         for place, name in enumerate(robot.body_names)
     }
     shapes = shapes_of(plant, bodies)
-    total = np.sum(contact_wrenches(results, bodies, shapes), axis=0)
+    total = np.sum(contact_wrenches(results, bodies, shapes, {}), axis=0)
     pelvis = plant.GetBodyByName(robot.file.pelvis)
     shift_wrench(total, plant.EvalBodyPoseInWorld(context, pelvis).translation())
     # The floating base's generalized forces are the wrench about its origin.
