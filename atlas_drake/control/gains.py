@@ -51,16 +51,16 @@ class QpWeights(Configuration):
     """The same of raising it in quick level steps of WALK (``walk.rules.quick_step``).
     A long stride lowers the center of mass over the straight trailing leg; to raise it
     at once at lift-off throws the robot up, and it flies above 0.8 m/s."""
-    moment: NotNegative[PerAccelerationSquared] = 1120.0
+    moment: NotNegative[PerAccelerationSquared] = 1700.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""
-    pelvis_orientation: NotNegative[PerAngularAccelerationSquared] = 2.0
+    pelvis_orientation: NotNegative[PerAngularAccelerationSquared] = 4.0
     """Orientation of the pelvis."""
     chest_orientation: NotNegative[PerAngularAccelerationSquared] = 0.2
     """Orientation of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
     """Stance feet keep still."""
-    swing_foot_position: NotNegative[PerAccelerationSquared] = 16.0
+    swing_foot_position: NotNegative[PerAccelerationSquared] = 26.0
     """Position of the swing foot. Far below the weight of the CoM's height: a high
     swing begins with an almost straight knee, and a heavier foot lifts off with the
     pelvis, which throws the robot up and ahead."""
@@ -112,7 +112,7 @@ class ContactModel(Configuration):
     load_growth: Positive[Ratio] = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one:
     a sole is trusted with the full weight after four ticks."""
-    pressed: NotNegative[Meters] = 0.03
+    pressed: NotNegative[Meters] = 0.045
     """Depth below its ground toward which a planted sole moves that carries next to
     nothing."""
     explored: Positive[Meters] = 0.015
@@ -138,9 +138,9 @@ class ContactModel(Configuration):
 class JointLimitGains(Configuration):
     """Bounds on joint accelerations that keep joint positions within their limits."""
 
-    kp: NotNegative[PerSecondSquared] = 400.0
+    kp: NotNegative[PerSecondSquared] = 270.0
     """Stiffness."""
-    kd: NotNegative[PerSecond] = 40.0
+    kd: NotNegative[PerSecond] = 33.0
     """Damping."""
     margin: NotNegative[Radians] = 0.02
     """Distance kept from each end stop."""
@@ -184,9 +184,9 @@ class ControlGains(Configuration):
     error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
     """Angular momentum."""
-    orientation: PdGains = PdGains(kp=100.0, kd=30.0)
+    orientation: PdGains = PdGains(kp=100.0, kd=37.0)
     """Pelvis and chest."""
-    stance_foot_damping: NotNegative[PerSecond] = 10.0
+    stance_foot_damping: NotNegative[PerSecond] = 20.0
     """Damping of a foot that carries load, per unit of inertia."""
     swing_position: PdGains = PdGains(kp=300.0, kd=35.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)

@@ -238,4 +238,4 @@ def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
     solution = WholeBodyQp(robot, balance.gains).solve(terms, command, bounds)
     pushed = solution.contact_wrenches[robot.file.feet[0].sole_frame][5]
     assert solution.found
-    assert pushed < 1.4 * balance.weight
+    assert pushed < 1.5 * balance.weight

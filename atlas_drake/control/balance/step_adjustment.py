@@ -39,11 +39,11 @@ class StepAdjustmentLimits(Configuration):
 
     cop_forward: NotNegative[Meters] = 0.10
     """Shift of the CoP that the stance foot can hold along the sole."""
-    cop_sideways: NotNegative[Meters] = 0.035
+    cop_sideways: NotNegative[Meters] = 0.049
     """Shift of the CoP that the stance foot can hold across the sole."""
-    tolerated_forward: NotNegative[Meters] = 0.05
+    tolerated_forward: NotNegative[Meters] = 0.075
     """DCM error at touchdown that double support can correct, along the sole."""
-    tolerated_sideways: NotNegative[Meters] = 0.02
+    tolerated_sideways: NotNegative[Meters] = 0.03
     """DCM error at touchdown that double support can correct, across the sole."""
     stretch: NotNegative[Meters] = 0.20
     """Distance by which a step for balance may exceed the limits of commanded steps
