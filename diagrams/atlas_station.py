@@ -257,14 +257,12 @@ def make_atlas_station(
         pushed = signals["applied_spatial_force"]
         _connect(builder, gantry, {**signals, "other_spatial_force": pushed})
         signals |= _outputs(gantry)
-    pairs = []
     if scenario.contacts:
-        contacts = ContactPairs(robot, plant, scenario.contacts, period)
-        add("contact_pairs", contacts)
-        _connect(builder, contacts, signals)
-        signals |= _outputs(contacts)
-        pairs = contacts.names
-    signals |= _add_recorder(builder, robot, plant, scenario, pairs, signals)
+        pairs = ContactPairs(robot, plant, scenario.contacts, period)
+        add("contact_pairs", pairs)
+        _connect(builder, pairs, signals)
+        signals |= _outputs(pairs)
+    signals |= _add_recorder(builder, robot, plant, scenario, signals)
     for system in systems:
         _connect(builder, system, signals)
     behavior_signals = {**signals, "state": signals["behavior_state"]}
@@ -373,7 +371,6 @@ def _add_recorder(
     robot: Robot,
     plant: MultibodyPlant,
     scenario: Scenario,
-    contact_pairs: Sequence[str],
     signals: Mapping[str, OutputPort],
 ) -> dict[str, OutputPort]:
     """Adds what makes the records; returns its signals by name."""
@@ -384,7 +381,7 @@ def _add_recorder(
             plant,
             scenario.control_period,
             scenario.state == "estimated",
-            contact_pairs,
+            scenario.contacts,
         ),
     )
     # Drake joins them in a fraction of the time that reading each of them would take.

@@ -11,7 +11,7 @@ from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.whole_body.model import mean_sole_height
+from atlas_drake.control.whole_body.terms import mean_sole_height
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 

@@ -8,7 +8,7 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.whole_body.model import mean_sole_height
+from atlas_drake.control.whole_body.terms import mean_sole_height
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
 from atlas_drake.messages.commands import BehaviorRequest

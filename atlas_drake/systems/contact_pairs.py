@@ -28,9 +28,6 @@ class ContactPairs(CollectableSystem):
     Output ports:
         contact_pairs: For each pair the wrench of contacts on its first body, in W at
             that body's origin [N·m; N], shape (6 k,), one control tick ago.
-
-    Attributes:
-        names: Name of each pair, such as ``l_hand-crate``.
     """
 
     __slots__ = ()
@@ -54,7 +51,6 @@ class ContactPairs(CollectableSystem):
             ScenarioError: If there is no such body, or several.
         """
         super().__init__()
-        self.names = ["-".join(pair) for pair in pairs]
         found = [
             [_body(plant, robot, name, f"contacts[{index}]") for name in pair]
             for index, pair in enumerate(pairs)

@@ -89,7 +89,7 @@ class TickRecorder(CollectableSystem):
         plant: MultibodyPlant,
         period: float,
         estimated: bool,
-        contact_pairs: Sequence[str] = (),
+        contacts: Sequence[Sequence[str]],
     ) -> None:
         """Latches the numbers of each tick.
 
@@ -98,7 +98,7 @@ class TickRecorder(CollectableSystem):
             plant: Plant of the whole simulation.
             period: Control period [s].
             estimated: True if there is a state estimator.
-            contact_pairs: Names of the pairs of ``ContactPairs``.
+            contacts: Names of the bodies of each of the ``ContactPairs``.
         """
         super().__init__()
         n = robot.num_joints
@@ -119,9 +119,9 @@ class TickRecorder(CollectableSystem):
             self.sizes["plant_state"] = plant.num_multibody_states()
         if estimated:
             self.sizes["estimation_error"] = 9
-        if contact_pairs:
-            self.sizes["contact_pairs"] = 6 * len(contact_pairs)
-        self.schema = self._schema(beside, contact_pairs)
+        if contacts:
+            self.sizes["contact_pairs"] = 6 * len(contacts)
+        self.schema = self._schema(beside, ["-".join(names) for names in contacts])
         self.tick_seconds: Sequence[float] = ()
         self._places = _places(
             {

@@ -24,8 +24,9 @@ from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.contact_tasks import ComTask
-from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_height
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
+from atlas_drake.control.whole_body.terms import mean_sole_height
 from atlas_drake.frozen import Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import ActiveCommand

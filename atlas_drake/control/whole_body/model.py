@@ -21,6 +21,7 @@ from pydrake.multibody.tree import (
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
+from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
@@ -184,7 +185,7 @@ class WholeBodyModel:
             at = X_WH.rotation() @ hand.default_com()
             wrench += np.concatenate([cross(at, lift), lift])
             h -= J.T @ wrench
-            wrench[:3] += cross(X_WH.translation(), wrench[3:])
+            shift_wrench(wrench, -X_WH.translation())
             pull += wrench
         return pull
 
@@ -237,8 +238,3 @@ def standing_terms(robot: Robot) -> WholeBodyTerms:
     model, standing = WholeBodyModel(robot), robot.standing_context()
     state = robot.plant.GetPositionsAndVelocities(standing)
     return model.evaluate(model.create_context(), state)
-
-
-def mean_sole_height(terms: WholeBodyTerms) -> float:
-    """Height of the middle between both soles in W [m]."""
-    return 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.rotations import cross
+from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.units import GRAVITY
 
 
@@ -90,8 +90,10 @@ class WholeBodyTerms:
         if not self.pull.any():
             return np.zeros(2)
         below = self.com.copy()
-        below[2] = 0.5 * (self.feet[0].p_WF[2] + self.feet[1].p_WF[2])
-        M_x, M_y, _ = (self.pull[:3] - cross(below, self.pull[3:])).tolist()
+        below[2] = mean_sole_height(self)
+        pull = self.pull.copy()
+        shift_wrench(pull, below)
+        M_x, M_y, *_ = pull.tolist()
         return np.array([-M_y, M_x]) / (self.mass * GRAVITY)
 
     def frame(self, name: str) -> FrameTerms:
@@ -107,3 +109,8 @@ class WholeBodyTerms:
         if known is None:
             known = self.frames[name] = self.compute_frame(name)
         return known
+
+
+def mean_sole_height(terms: WholeBodyTerms) -> float:
+    """Height of the middle between both soles in W [m]."""
+    return 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
