@@ -445,14 +445,17 @@ def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
 
 
 def test_the_last_step_after_a_catch_puts_the_feet_side_by_side():
+    # Quick steps until the robot is quiet, and then one with the usual time.
     run = play(seconds=0.5)
-    run.sim.apply_push("trunk", [0.0, 0.8 * run.sim.robot.mass / 0.1, 0.0], 0.1)
+    per_speed = run.sim.robot.mass / 0.1
+    run.sim.apply_push("trunk", [0.4 * per_speed, 0.6 * per_speed, 0.0], 0.1)
     run.advance(0.5)
     run.until(stands)
+    *_, before, last = run.events("footstep")
+    assert last.time - before.time > 1.2 * CONFIG.limits.duration.least
     left, right = run.sim.record.feet.positions
     width = StanceConfig().width
-    apart = (left - right)[:2]
-    np.testing.assert_allclose(apart, [0.0, width], atol=CONFIG.rules.feet_apart)
+    np.testing.assert_allclose((left - right)[:2], [0.0, width], atol=0.02)
 
 
 def test_a_robot_that_a_push_tips_over_one_foot_keeps_its_height():
