@@ -6,6 +6,17 @@ from tests.policy_networks import ARM, METADATA, save
 
 from .conftest import CockpitPage, Run, wait_for
 
+# What a box shows, from a click on and then as each of 30 pictures is drawn, over a slow line.
+TICKED = """async (box) => {
+  const { send } = WebSocket.prototype;
+  WebSocket.prototype.send = function (text) { setTimeout(() => send.call(this, text), 200); };
+  const shown = [];
+  box.click();
+  while (shown.push(box.checked) < 30) await new Promise(requestAnimationFrame);
+  WebSocket.prototype.send = send;
+  return shown;
+}"""
+
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 
@@ -31,7 +42,8 @@ def test_a_policy_shows_is_steered_by_keys_watched_and_taken_back(page):
     page.key("k")
     wait_for(lambda: page.frame(".policy.velocity")[0] == 0.0, "rest")
     assert page.mode == "STAND"
-    page.page.get_by_label("Watchdog over the policy").check()
+    watchdog = page.page.get_by_label("Watchdog over the policy")
+    assert all(watchdog.evaluate(TICKED))
     wait_for(lambda: page.frame(".policy.watched"), "the watchdog")
     page.press("None mine")
     wait_for(lambda: not page.frame(".policy.runs"), "its end")

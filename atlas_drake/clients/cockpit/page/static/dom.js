@@ -46,6 +46,20 @@ export function button(content, onclick, attributes) {
   return el("button", { onclick, ...attributes }, content);
 }
 
+// Makes a box to tick that asks for what it shows, and shows it until a frame says so as well:
+// frames on their way still tell of before.
+export function tick(attributes, ask) {
+  let asked = null;
+  const input = el("input", { ...attributes, type: "checkbox", onchange: async () => {
+    asked = input.checked;
+    if (await ask(asked) === undefined) asked = null;
+  } });
+  return { input, put(on) {
+    if (on === asked) asked = null;
+    set(input, { checked: asked ?? on });
+  } };
+}
+
 // Makes a list to choose from, of pairs of a value and what is told of it.
 export function choice(pairs, attributes) {
   return el("select", attributes, pairs.map(([value, text]) => el("option", { value }, text)));

@@ -1,6 +1,6 @@
 // Who has which joint: the figure, presets, the user's share of a limb, and its joints.
 
-import { button, el, form, set, write } from "./dom.js";
+import { button, el, form, set, tick, write } from "./dom.js";
 import { dial } from "./dials.js";
 import { figure, MOST, ownerColor } from "./figure.js";
 import { slider } from "./numbers.js";
@@ -91,8 +91,7 @@ export function build(page, root) {
 
 // Whether STAND takes the joints of a policy that has died.
 function watchdogSwitch(page) {
-  const input = el("input", { type: "checkbox",
-                              onchange: () => page.do("watch_policy", { on: input.checked }) });
+  const { input, put } = tick({}, (on) => page.do("watch_policy", { on }));
   const element = el("label", {
     "data-tip": "STAND takes all joints when the policy's commands are late, no numbers, or "
       + "far beyond a joint's stop" }, input, " Watchdog over the policy");
@@ -100,7 +99,7 @@ function watchdogSwitch(page) {
     element,
     show(policy) {
       element.hidden = !policy;
-      if (policy) set(input, { checked: policy.watched });
+      if (policy) put(policy.watched);
     },
   };
 }

@@ -1,6 +1,6 @@
 // The 3D view, and what lies over it: camera, overlays, pushes, pictures, and whose a link is.
 
-import { button, choice, el, form, light, set, write } from "./dom.js";
+import { button, choice, el, form, light, set, tick, write } from "./dom.js";
 import { CAMERAS, look, moveCamera } from "./camera.js";
 import { startGamepad } from "./gamepad.js";
 import { icon } from "./icons.js";
@@ -82,14 +82,14 @@ function addOverlays(page) {
                         { "data-tip": "Show what the controller thinks" });
   const texts = Object.entries(page.run.overlays).filter(([name]) => name !== "follow");
   const switches = texts.map(([name, text]) => {
-    const input = el("input", { type: "checkbox", role: "switch", "aria-label": name,
-      onchange: () => page.do("show", { overlay: name, on: input.checked }) });
+    const { input, put } = tick({ role: "switch", "aria-label": name },
+                                (on) => page.do("show", { overlay: name, on }));
     const label = el("label", {}, input, el("span", {}, el("b", {}, name), ` ${text}`));
-    return { name, input, label };
+    return { name, put, label };
   });
   const menu = popover(opener, "Show", ...switches.map(({ label }) => label));
   return { parts: [opener, menu], show(frame) {
-    for (const { name, input } of switches) input.checked = frame.overlays.includes(name);
+    for (const { name, put } of switches) put(frame.overlays.includes(name));
   } };
 }
 
