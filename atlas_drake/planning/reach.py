@@ -1,8 +1,8 @@
 """Where joints have to be so that points of the hands are where they are wanted.
 
 Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits the points
-come as near to their goals as they can, and with what is left the axes point where they
-are wanted and the joints stay near where they were.
+come as near to their goals as they can, and with what is left the hands turn to where
+they are wanted and the joints stay near where they were.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.multibody.tree import Frame
 from pydrake.solvers import SnoptSolver
@@ -23,14 +25,17 @@ from atlas_drake.robot import Robot
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
-_NEARNESS, _DIRECTION, _POSTURE = 1e4, 3.0, 1e-2
-"""Weights of the distance [1/m²], of an axis' angle [-] and of a joint's way
-[1/rad²]: a millimetre counts as much as an axis that is off by 6°."""
+_NEARNESS, _ANGLE, _POSTURE = 1e4, 3.0, 1e-2
+"""Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
+millimetre counts as much as an axis that is off by 6°."""
+
+_UNIT = 1e-3
+"""Largest difference of a quaternion's length from 1."""
 
 
 @dataclass(frozen=True)
 class HandGoal:
-    """Where a point of a hand has to be, and where an axis of the hand has to point.
+    """Where a point of a hand has to be, and how the hand has to be turned there.
 
     Attributes:
         hand: Body of the hand, of those in the robot's file.
@@ -39,9 +44,11 @@ class HandGoal:
         axis: Axis of the hand in the body's frame, shape (3,); None leaves the
             direction open.
         direction: Where the axis has to point, shape (3,).
+        orientation: How the body's frame has to be turned, a unit quaternion
+            [w, x, y, z], in place of an axis; None leaves it open.
         force: What the hand exerts there, for a load its weight upward [N], shape (3,).
-        of_pelvis: True if position, direction and force are given in the pelvis' frame
-            and move with it; False for W.
+        of_pelvis: True if position, direction, orientation and force are given in the
+            pelvis' frame and move with it; False for W.
     """
 
     hand: str
@@ -49,18 +56,30 @@ class HandGoal:
     point: Sequence[float] = (0.0, 0.0, 0.0)
     axis: Sequence[float] | None = None
     direction: Sequence[float] = (1.0, 0.0, 0.0)
+    orientation: Sequence[float] | None = None
     force: Sequence[float] = (0.0, 0.0, 0.0)
     of_pelvis: bool = False
 
     def __post_init__(self) -> None:
         """Checks the vectors: Drake would end the process at NaN."""
-        for name in ("position", "point", "axis", "direction", "force"):
+        for name in ("position", "point", "axis", "direction", "orientation", "force"):
             value = getattr(self, name)
-            if name == "axis" and value is None:
+            if value is None:
                 continue
-            numbers = check_vector(value, name, 3)
+            numbers = check_vector(value, name, 4 if name == "orientation" else 3)
             if name in ("axis", "direction") and not numbers.any():
                 raise InvalidMessageError(name, value, "must not be zero")
+            if name == "orientation" and abs(np.linalg.norm(numbers) - 1.0) > _UNIT:
+                raise InvalidMessageError(name, value, "must be of length 1")
+        if self.axis is not None and self.orientation is not None:
+            problem = "an axis is given as well: the hand is turned by one of them"
+            raise InvalidMessageError("orientation", self.orientation, problem)
+
+    @property
+    def rotation(self) -> RotationMatrix:
+        """The orientation as a matrix."""
+        wxyz = np.array(self.orientation)
+        return RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
 
 
 @dataclass(frozen=True)
@@ -80,7 +99,7 @@ class Reach:
     @property
     def distances(self) -> np.ndarray:
         """Distances of the points from their goals [m], shape (k,)."""
-        wanted = np.array([goal.position for goal in self.goals])
+        wanted = np.reshape([goal.position for goal in self.goals], (-1, 3))
         return np.asarray(np.linalg.norm(wanted - self.positions, axis=1))
 
     def check(self, tolerance: float = TOLERANCE) -> None:
@@ -91,6 +110,8 @@ class Reach:
                 The nearest place that it reaches is named.
         """
         far = self.distances
+        if not self.goals:
+            return
         worst = int(far.argmax())
         if far[worst] > tolerance:
             goal, nearest = self.goals[worst], self.positions[worst].round(3).tolist()
@@ -153,7 +174,11 @@ def reach(
         )
         if goal.axis is not None:
             kinematics.AddAngleBetweenVectorsCost(
-                hand, goal.axis, frame, goal.direction, _DIRECTION
+                hand, goal.axis, frame, goal.direction, _ANGLE
+            )
+        if goal.orientation is not None:
+            kinematics.AddOrientationCost(
+                frame, goal.rotation, hand, RotationMatrix(), _ANGLE
             )
     # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
@@ -173,7 +198,7 @@ def reach(
         ).ravel()
         for goal, frame in zip(goals, frames, strict=True)
     ]
-    return Reach(tuple(goals), q[indices.q], np.array(found))
+    return Reach(tuple(goals), q[indices.q], np.reshape(found, (-1, 3)))
 
 
 def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
@@ -198,8 +223,18 @@ def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
         end,
         position=between(start.position, end.position),
         direction=between(start.direction, end.direction),
+        orientation=_turned(start, end, progress),
         force=between(start.force, end.force),
     )
+
+
+def _turned(start: HandGoal, end: HandGoal, progress: float) -> list[float] | None:
+    if end.orientation is None:
+        return None
+    first = start.rotation.ToQuaternion()
+    between = first.slerp(progress, end.rotation.ToQuaternion())
+    wxyz: list[float] = between.wxyz().tolist()
+    return wxyz
 
 
 def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:

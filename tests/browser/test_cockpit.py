@@ -379,6 +379,41 @@ def test_a_click_on_the_ground_plans_and_a_second_one_walks(page):
     wait_for(lambda: not page.page.evaluate(prints), "the end of the footprints")
 
 
+GOAL = """(() => {
+  viewer.scene.updateMatrixWorld(true);
+  cockpit.steps.forEach((step) => step());
+  return cockpit.page.view.hand.goal().toArray();
+})()"""
+"""Where the goal of a hand is in W, as the next picture shows it."""
+
+
+def test_a_hand_is_dragged_previewed_and_goes_where_it_is_told(page):
+    hint = page.page.locator("#hint")
+    page.until("cockpit.isComplete()")
+    page.press("Move hand")
+    wait_for(lambda: "Drag an arrow" in hint.inner_text(), "the goal")
+    x, y, z = page.page.evaluate(GOAL)
+    drag(
+        page.page,
+        page.at_W(x, y, z + 0.2),
+        page.at_W(x, y, z + 0.3),
+        page.at_W(x, y, z + 0.4),
+    )
+    wait_for(lambda: "Click the ball" in hint.inner_text(), "the ghost")
+    there = page.page.evaluate(GOAL)
+    assert there == pytest.approx([x, y, z + 0.2], abs=0.02)
+    assert not any(page.frame(".command.k_effort"))
+    page.page.mouse.click(*page.at_W(*there))
+    page.tells("r_hand gets there")
+    wait_for(lambda: 255 in page.frame(".command.k_effort"), "the arm")
+    page.goes_on()
+    page.goes_on()
+    page.goes_on()
+    assert page.page.evaluate(GOAL) == pytest.approx(there, abs=0.01)
+    page.key("Escape")
+    wait_for(lambda: hint.inner_text() == "", "no goal")
+
+
 # ---- the view --------------------------------------------------------------------
 
 

@@ -6,10 +6,12 @@ from tests.policy_networks import ARM, METADATA, save
 
 from .conftest import CockpitPage, Run, wait_for
 
-# What a box shows, from a click on and then as each of 30 pictures is drawn, over a slow line.
+# What a box shows from a click on, as each of 30 pictures is drawn, over a slow line.
 TICKED = """async (box) => {
   const { send } = WebSocket.prototype;
-  WebSocket.prototype.send = function (text) { setTimeout(() => send.call(this, text), 200); };
+  WebSocket.prototype.send = function (text) {
+    setTimeout(() => send.call(this, text), 200);
+  };
   const shown = [];
   box.click();
   while (shown.push(box.checked) < 30) await new Promise(requestAnimationFrame);

@@ -42,6 +42,29 @@ def test_the_palm_is_where_it_has_to_be_and_points_ahead(robot, state, place):
     assert axis[0] > np.cos(0.2)
 
 
+def test_a_hand_takes_a_pose_that_it_can_have(robot, state):
+    """The pose comes from joints somewhere within their limits."""
+    joints = state[robot.indices(robot.plant).q].copy()
+    arm = robot.limb("l_arm")
+    joints[arm] = 0.7 * robot.stand_prep[arm] + 0.3 * robot.position_lower[arm]
+    q = state.copy()
+    q[robot.indices(robot.plant).q] = joints
+    context = robot.plant.CreateDefaultContext()
+    robot.plant.SetPositions(context, q)
+    hand = robot.plant.GetFrameByName("l_hand")
+    X_WG = hand.CalcPoseInWorld(context)
+    wxyz = X_WG.rotation().ToQuaternion().wxyz()
+    found = reach(
+        robot, state, [HandGoal("l_hand", X_WG.translation(), orientation=wxyz)]
+    )
+    found.check()
+    q[robot.indices(robot.plant).q] = found.joints
+    robot.plant.SetPositions(context, q)
+    X_WH = hand.CalcPoseInWorld(context)
+    off = (X_WG.rotation().inverse() @ X_WH.rotation()).ToAngleAxis().angle()
+    assert abs(off) < np.radians(1.0)
+
+
 def test_only_the_arm_of_the_hand_moves_and_within_its_limits(robot, state):
     found = reach(robot, state, [HandGoal("l_hand", [0.35, 0.3, 1.0])])
     before = state[robot.indices(robot.plant).q]
@@ -93,6 +116,12 @@ def test_a_hand_that_the_robot_has_not_is_refused(robot, state):
         ({"point": "palm"}, "point"),
         ({"axis": (0.0, 0.0, 0.0)}, "axis"),
         ({"force": [np.inf, 0.0, 0.0]}, "force"),
+        ({"orientation": [1.0, 0.0, 0.0]}, "orientation"),
+        ({"orientation": [1.0, 1.0, 0.0, 0.0]}, "length 1"),
+        (
+            {"orientation": [1.0, 0.0, 0.0, 0.0], "axis": (0.0, 1.0, 0.0)},
+            "by one of them",
+        ),
     ],
 )
 def test_a_goal_that_is_none_is_refused_by_field(fields, named):

@@ -17,6 +17,7 @@ from atlas_drake.clients.cockpit.clock import Clock
 from atlas_drake.clients.cockpit.describe import describe_run
 from atlas_drake.clients.cockpit.fields import settings_of
 from atlas_drake.clients.cockpit.frame import events_after, frame_json
+from atlas_drake.clients.cockpit.hands import Hands
 from atlas_drake.clients.cockpit.recording import Recording
 from atlas_drake.clients.cockpit.scenario_requests import NextRun, ScenarioRequests
 from atlas_drake.clients.cockpit.wire import Frame, Robot, Run, Settings
@@ -64,6 +65,7 @@ class RunPage:
         self._sim, self._meshcat, self._overlays = sim, meshcat, overlays
         self._next_run, self._recording = next_run, recording
         self.clock = Clock(sim)
+        self._hands = Hands(sim)
         self._rate = _Rate()
         self._failures, self._watched = FailureWatch(sim.robot), sim.time
         self._run = self._events_seen = 0
@@ -76,6 +78,9 @@ class RunPage:
             rate=self.clock.rate,
             reset=self.clock.reset,
             push=self._push,
+            plan_hand=self._hands.plan,
+            move_hand=self._hands.move,
+            stop_hand=self._hands.stop,
             back=self.clock.back,
             take_over=sim.drop_schedule,
             show=self._show,
@@ -108,10 +113,15 @@ class RunPage:
     # ---- requests ------------------------------------------------------------
 
     def _send(self, **message: Any) -> None:
-        """Publishes a message, in the form of a scenario's ``messages``."""
+        """Publishes a message, in the form of a scenario's ``messages``.
+
+        Joint commands end the way of a hand.
+        """
         sim = self._sim
         timed = checked(TimedMessage, message, "")
         sim.publish(timed.message(sim.robot, "", sim.behaviors))
+        if timed.atlas_command:
+            self._hands.stop()
 
     def _push(self, body: str, impulse_W: Sequence[float]) -> float:
         """Pushes a link now; returns the change of the robot's velocity [m/s]."""
@@ -190,6 +200,7 @@ class RunPage:
     def watch(self) -> None:
         """Looks for what fails, also between two frames of a run that is fast."""
         self._note_jumps()
+        self._hands.attend()
         sim = self._sim
         if sim.time >= self._watched + WATCH_PERIOD - 1e-9 and not sim.has_fallen:
             self._watched = sim.time
@@ -200,6 +211,7 @@ class RunPage:
         sim = self._sim
         if sim.time < self._last_time or sim.beginning is not self._beginning:
             self._run, self._events_seen = self._run + 1, 0
+            self._hands.stop()
             self._failures, self._watched = FailureWatch(sim.robot), sim.time
             self._rate = _Rate()
         self._last_time, self._beginning = sim.time, sim.beginning

@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
+from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.planning.reach import (
     HandGoal,
     Reach,
@@ -109,12 +110,16 @@ class HandMotion:
             self._start(context, replace(goal, of_pelvis=True), going) for goal in now
         ]
 
-    def command(self, time: float, state: np.ndarray) -> AtlasCommand:
+    def command(
+        self, time: float, state: np.ndarray, others: JointCommand | None = None
+    ) -> AtlasCommand:
         """Returns the command for the next ``PERIOD``.
 
         Args:
             time: Present time [s].
             state: Positions and velocities of the robot, in the order of its plant.
+            others: What the joints of no hand with a goal keep; None gives these to the
+                behavior.
         """
         goals, last = self._now(time), self._last
         stays = self.is_there(time) and all(goal.of_pelvis for goal in goals)
@@ -127,14 +132,18 @@ class HandMotion:
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
         mine = arms_of(self._robot, goals)
-        effort = self._effort(state, joints, goals)
+        kept = {"position": joints} if others is None else vars(others)
+
+        def beside_kept(name: str, value: np.ndarray | float) -> np.ndarray:
+            return np.where(mine, value, kept.get(name, 0))
+
         return AtlasCommand(
-            position=joints.tolist(),
-            velocity=np.where(mine, speed, 0.0).tolist(),
-            effort=np.where(mine, effort, 0.0).tolist(),
-            kp_position=np.where(mine, self._stiffness, 0.0).tolist(),
-            kp_velocity=np.where(mine, self._damping, 0.0).tolist(),
-            k_effort=[K_EFFORT_MAX if one else 0 for one in mine],
+            position=beside_kept("position", joints),
+            velocity=beside_kept("velocity", speed),
+            effort=beside_kept("effort", self._effort(state, joints, goals)),
+            kp_position=beside_kept("kp_position", self._stiffness),
+            kp_velocity=beside_kept("kp_velocity", self._damping),
+            k_effort=beside_kept("k_effort", K_EFFORT_MAX),
         )
 
     def _now(self, time: float) -> tuple[HandGoal, ...]:
@@ -148,23 +157,28 @@ class HandMotion:
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
     ) -> HandGoal:
         """Returns where the way to a goal begins: where the hand is going, or is."""
+        plant = self._robot.plant
+        X_WH = plant.GetFrameByName(goal.hand).CalcPoseInWorld(context)
+        p, R_WH, force = X_WH @ np.array(goal.point), X_WH.rotation(), np.zeros(3)
+        axis = goal.direction if goal.axis is None else goal.axis
+        direction = R_WH @ np.array(axis)
         before = going.get(goal.hand)
-        if before is None:
-            hand = self._robot.plant.GetFrameByName(goal.hand)
-            X_WH = hand.CalcPoseInWorld(context)
-            p, force = X_WH @ np.array(goal.point), np.zeros(3)
-            axis = goal.direction if goal.axis is None else goal.axis
-            direction = X_WH.rotation() @ np.array(axis)
-        else:
+        if before is not None:
             X_WF = frame_of(self._robot, before).CalcPoseInWorld(context)
             p = X_WF @ np.array(before.position)
-            direction = X_WF.rotation() @ np.array(before.direction)
             force = X_WF.rotation() @ np.array(before.force)
+            if before.axis is not None:
+                direction = X_WF.rotation() @ np.array(before.direction)
+            if before.orientation is not None:
+                R_WH = X_WF.rotation() @ before.rotation
         X_FW = frame_of(self._robot, goal).CalcPoseInWorld(context).inverse()
+        R_FH = X_FW.rotation() @ R_WH
+        turned = None if goal.orientation is None else R_FH.ToQuaternion().wxyz()
         return replace(
             goal,
             position=(X_FW @ p).tolist(),
             direction=(X_FW.rotation() @ direction).tolist(),
+            orientation=turned,
             force=(X_FW.rotation() @ force).tolist(),
         )
 

@@ -181,7 +181,7 @@ def test_handlers_of_one_controller_take_turns_and_stop_does_not_wait():
             await browser.ask("stop")
             await browser.hear("stopping")
             names = [one.name for one in simulation.requests]
-            assert names == ["step", "message"]
+            assert names == ["step", "stop_hand", "message"]
 
     asyncio.run(go())
 

@@ -29,6 +29,16 @@ def test_a_hand_points_where_it_is_told_and_keeps_its_place_on_a_walk():
     assert np.linalg.norm(np.array(off) - at_pelvis, axis=1).max() < 0.03
 
 
+def test_hands_without_a_goal_are_the_behaviors():
+    sim = AtlasSimulation()
+    work = HandWork(sim)
+    work.hold()
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 0.5)
+    assert sim.output("commands").joints.k_effort.any()
+    work.move([], 0.5)
+    assert not sim.output("commands").joints.k_effort.any()
+
+
 def test_an_act_ends_when_the_robot_falls():
     sim = AtlasSimulation()
     work = HandWork(sim)

@@ -224,6 +224,8 @@ class Actions:
             pilot.update(0.0)
         finally:
             published = self._take_published()
+        if name == STOP:
+            self._send(Request(0, "stop_hand"))
         await asyncio.gather(*map(self._ask, published))
         return True if value is None else value
 

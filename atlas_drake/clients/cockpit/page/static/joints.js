@@ -31,6 +31,8 @@ export function build(page, root) {
   const value = el("span", { class: "number" });
   const box = el("div", { class: "dials" });
   const poses = poseMenu(page), watchdog = watchdogSwitch(page);
+  const handButton = button("Move hand", () => page.view.hand?.toggle(limb), {
+    "data-tip": "Drag the hand of this arm to where it has to go, in the view" });
   root.append(
     el("div", { class: "who" }, picture.element, page.log ? null : presets()),
     part,
@@ -49,7 +51,7 @@ export function build(page, root) {
     ];
     return el("div", { class: "presets" },
       tips.map(([text, tip, press]) => button(text, press, { "data-tip": tip })),
-      poses.opener, poses.menu);
+      handButton, poses.opener, poses.menu);
   }
 
   function choose(chosen) {
@@ -85,6 +87,8 @@ export function build(page, root) {
       draw();
       showDials(frame);
       poses.show(page.poses);
+      handButton.disabled = !page.run.hands.some((one) => one.limb === limb);
+      set(handButton, { "aria-pressed": page.view.hand?.limb() === limb });
     },
   };
 }

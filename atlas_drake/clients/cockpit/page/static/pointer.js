@@ -1,5 +1,6 @@
 // What mouse and finger do in the view: a click on the ground plans a way and a second one walks
-// it, a drag from a link pushes, a click on a link asks whose it is, a step is dragged.
+// it, a drag from a link pushes, a click on a link asks whose it is, a step is dragged, and so is
+// the goal of a hand.
 
 import { seldom, set, svg } from "./dom.js";
 import { stepUnder } from "./plan.js";
@@ -20,7 +21,7 @@ export async function push(page, body, impulse_W) {
 
 // Starts it. `links` are names; `open(link)` shows whose a link is; `hint(text)` helps.
 export function startPointer(page, div, links, open, hint) {
-  const names = new Set(links);
+  const names = new Set(links), { hand } = page.view;
   let pressed = null, aiming = false;
   const line = svg("path");
   div.after(svg("svg", { class: "arrow", "aria-hidden": true }, line));
@@ -33,7 +34,9 @@ export function startPointer(page, div, links, open, hint) {
 
   function press(event) {
     if (event.button !== 0 || !event.isPrimary || !event.target.matches("canvas")) return;
-    const what = under(event, names, aiming);
+    const handle = hand.under(ray(event));
+    const what = handle ? { kind: "hand" } : under(event, names, aiming);
+    if (handle) hand.press(handle, ray(event));
     pressed = { what, x: event.clientX, y: event.clientY, moved: false };
     scene.viewer.controls.enabled = what.kind === "sky" || (what.kind === "ground" && !aiming);
   }
@@ -53,7 +56,8 @@ export function startPointer(page, div, links, open, hint) {
       hint(`${what.name}: ${size.toFixed(0)} N·s, ${(size / page.run.mass).toFixed(2)} m/s; ` +
            "let go to push");
       arrow(dx, dy);
-    } else if (what.kind === "step" || aiming) {
+    } else if (what.kind === "hand") hand.drag(ray(event));
+    else if (what.kind === "step" || aiming) {
       const now = ground(event);
       if (now && what.kind === "step") moveSeldom({ index: what.index, ...now });
       else if (now && what.kind === "ground") planSeldom({ ...what.place, yaw: to(what, now) });
@@ -66,12 +70,15 @@ export function startPointer(page, div, links, open, hint) {
     pressed = null;
     scene.viewer.controls.enabled = true;
     arrow();
+    hand.release();
     if (event.type === "pointercancel") return;
     if (what.kind === "link") {
       const dx = event.clientX - x, dy = event.clientY - y;
       const isBack = Math.hypot(dx, dy) < STILL;
       if (!moved) open(what.name);
       else if (!isBack) push(page, what.name, impulseOf(dx, dy));
+    } else if (what.kind === "hand") {
+      if (!moved) hand.send();
     } else if (what.kind === "step") {
       if (!moved) page.do("send_plan");
       else if (now) page.do("move_step", { index: what.index, ...now });
@@ -111,10 +118,11 @@ export function startPointer(page, div, links, open, hint) {
       scene.viewer.controls.enabled = true;
       if (aiming || isPlanned()) tryTo("drop_plan");
       aiming = false;
+      hand.close();
     },
     show() {
       const pushes = pressed?.moved && pressed.what.kind === "link";
-      if (!pushes) hint(aiming ? AIM : isPlanned() ? PLANNED : "");
+      if (!pushes) hint(aiming ? AIM : hand.hint() || (isPlanned() ? PLANNED : ""));
     },
   };
 }

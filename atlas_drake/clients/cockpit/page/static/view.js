@@ -3,6 +3,7 @@
 import { button, choice, el, form, light, set, tick, write } from "./dom.js";
 import { CAMERAS, look, moveCamera } from "./camera.js";
 import { startGamepad } from "./gamepad.js";
+import { startHand } from "./hand.js";
 import { icon } from "./icons.js";
 import { showPlan } from "./plan.js";
 import { push, startPointer } from "./pointer.js";
@@ -44,6 +45,8 @@ export function build(page, root) {
     scene.steps.push(moveCamera);
     if (page.log) return;
     scene.steps.push(startGamepad(page));
+    page.view.hand = startHand(page);
+    scene.steps.push(page.view.hand.step);
     pointer = startPointer(page, div, links, card.open, (text) => write(hint, text));
   });
 

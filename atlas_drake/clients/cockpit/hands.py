@@ -1,0 +1,139 @@
+"""Hands that a viewer moves in the 3D view: how they would be, and the way there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from pydrake.math import RotationMatrix
+
+from atlas_drake.clients.steering.hand_motion import HandMotion
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.planning.reach import HandGoal, arms_of, reach
+from atlas_drake.robot import Robot
+from atlas_drake.simulation import AtlasSimulation
+
+SPEED, TURNING = 0.25, 0.8
+"""Mean speeds of a hand on its way [m/s, rad/s]."""
+SHORTEST, SETTLING = 1.0, 1.0
+"""Shortest duration of a way, and time to come to rest after it [s]."""
+
+
+def hand_centers(robot: Robot) -> dict[str, list[float]]:
+    """Returns the hands' centers of mass, in their bodies' frames [m], by body."""
+    bodies = {hand: robot.plant.GetBodyByName(hand) for hand in robot.file.hands}
+    return {hand: body.default_com().tolist() for hand, body in bodies.items()}
+
+
+class Hands:
+    """The hands of a simulation, of which one is on its way at a time.
+
+    Once it has got there its arm stays as it is, and the user's.
+    """
+
+    def __init__(self, sim: AtlasSimulation) -> None:
+        """Moves no hand yet."""
+        self._sim, self._centers = sim, hand_centers(sim.robot)
+        self._motion: HandMotion | None = None
+        self._next = 0.0
+
+    def plan(
+        self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
+    ) -> dict[str, Any]:
+        """Returns how the arm is once the hand is there, or as near as it gets.
+
+        Args:
+            hand: Body of the hand.
+            position_W: Of the hand's center, in W [m].
+            orientation_W: Of the hand's frame in W, a quaternion [w, x, y, z].
+
+        Returns:
+            ``links``: pose in W of each link of the arm, a matrix by columns, by name;
+            ``distance`` and ``angle``: how far the hand stays away [m, rad].
+
+        Raises:
+            InvalidMessageError: If there is no such hand, or no such pose.
+        """
+        robot, state = self._sim.robot, self._sim.output("state")
+        goal = self._goal(hand, position_W, orientation_W)
+        found = reach(robot, state, [goal])
+        plant, context = robot.plant, robot.plant.CreateDefaultContext()
+        q = np.array(state[: plant.num_positions()])
+        q[robot.indices(plant).q] = found.joints
+        plant.SetPositions(context, q)
+        arm = np.array(robot.joint_names)[arms_of(robot, [goal])]
+        joints = [plant.GetJointByName(name).index() for name in arm]
+        links = {}
+        for index in plant.GetBodiesKinematicallyAffectedBy(joints):
+            link = plant.get_body(index)
+            X_WL = plant.EvalBodyPoseInWorld(context, link)
+            links[link.name()] = X_WL.GetAsMatrix4().ravel(order="F").tolist()
+        R_WH = plant.GetFrameByName(hand).CalcPoseInWorld(context).rotation()
+        return {
+            "links": links,
+            "distance": float(found.distances[0]),
+            "angle": _angle_between(R_WH, goal.rotation),
+        }
+
+    def move(
+        self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
+    ) -> float:
+        """Takes the arm, and lets the hand go there; returns how long it takes [s].
+
+        Args:
+            hand: Body of the hand.
+            position_W: Of the hand's center, in W [m].
+            orientation_W: Of the hand's frame in W, a quaternion [w, x, y, z].
+
+        Raises:
+            InvalidMessageError: If the hand does not get there, or the robot has
+                fallen; a hand that is on its way goes on.
+        """
+        sim = self._sim
+        if sim.has_fallen:
+            problem = "the robot has fallen: reset it before its hands move"
+            raise InvalidMessageError("hand", hand, problem)
+        goal = self._goal(hand, position_W, orientation_W)
+        motion, duration = HandMotion(sim.robot), self._duration(goal)
+        motion.aim(sim.time, sim.output("state"), [goal], duration)
+        self._motion, self._next = motion, sim.time
+        return duration
+
+    def stop(self) -> None:
+        """Leaves a hand that is on its way where it is."""
+        self._motion = None
+
+    def attend(self) -> None:
+        """Sends the next command of a hand that is on its way, if it is time."""
+        sim, motion = self._sim, self._motion
+        if motion is None or sim.time < self._next - 1e-9:
+            return
+        if sim.has_fallen:
+            self.stop()
+            return
+        self._next = sim.time + motion.PERIOD
+        others = sim.output("commands").joints
+        sim.publish(motion.command(sim.time, sim.output("state"), others))
+        if motion.is_there(sim.time - SETTLING):
+            self.stop()
+
+    def _goal(
+        self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
+    ) -> HandGoal:
+        if hand not in self._centers:
+            problem = f"{self._sim.robot.name} has no such hand"
+            raise InvalidMessageError("hand", hand, problem)
+        center = self._centers[hand]
+        return HandGoal(hand, position_W, center, orientation=orientation_W)
+
+    def _duration(self, goal: HandGoal) -> float:
+        """Returns the time for a way from where the hand is [s]."""
+        X_WH = self._sim.frame_pose(goal.hand)
+        way = np.array(goal.position) - X_WH @ np.array(goal.point)
+        turn = _angle_between(X_WH.rotation(), goal.rotation)
+        return max(float(np.linalg.norm(way)) / SPEED, turn / TURNING, SHORTEST)
+
+
+def _angle_between(first: RotationMatrix, second: RotationMatrix) -> float:
+    return float((first.inverse() @ second).ToAngleAxis().angle())
