@@ -26,7 +26,7 @@ def walk_through(sim):
     work, door = HandWork(sim), sim.frame_pose("post").translation()
     sim.advance(0.5)
     axis = [0.0, 1.0, 0.0]
-    work.move([HandGoal("l_hand", PLACE, PALM, axis, of_pelvis=True)], 1.5)
+    work.move([HandGoal("l_hand", PLACE, PALM, axis, frame="pelvis")], 1.5)
     work.walk_to(door[0] + BEYOND, door[1] - 0.55, 0.0)
 
 

@@ -26,7 +26,7 @@ def push(sim, way):
         side = 1.0 if hand == "l_hand" else -1.0
         place = [PLACE[0], side * PLACE[1], PLACE[2]]
         axis = [0.0, side, 0.0]
-        goals.append(HandGoal(hand, place, point, axis, of_pelvis=True))
+        goals.append(HandGoal(hand, place, point, axis, frame="pelvis"))
     work.move(goals, 1.5)
     there, pushed = box[0] - HALF - FIST - PLACE[0], 0.0
     for _ in range(2):  # Arms that give way leave something for a second walk.

@@ -47,8 +47,9 @@ class HandGoal:
         orientation: How the body's frame has to be turned, a unit quaternion
             [w, x, y, z], in place of an axis; None leaves it open.
         force: What the hand exerts there, for a load its weight upward [N], shape (3,).
-        of_pelvis: True if position, direction, orientation and force are given in the
-            pelvis' frame and move with it; False for W.
+        frame: Body of the robot in whose frame position, direction, orientation and
+            force are given, and with which they move; ``trunk`` is the chest's link on
+            every robot.
     """
 
     hand: str
@@ -58,7 +59,7 @@ class HandGoal:
     direction: Sequence[float] = (1.0, 0.0, 0.0)
     orientation: Sequence[float] | None = None
     force: Sequence[float] = (0.0, 0.0, 0.0)
-    of_pelvis: bool = False
+    frame: str = "world"
 
     def __post_init__(self) -> None:
         """Checks the vectors: Drake would end the process at NaN."""
@@ -263,7 +264,14 @@ def frame_of(robot: Robot, goal: HandGoal) -> Frame:
     Args:
         robot: The robot.
         goal: The goal.
+
+    Raises:
+        InvalidMessageError: If the robot has no such body.
     """
-    if goal.of_pelvis:
-        return robot.plant.GetFrameByName(robot.file.pelvis)
-    return robot.plant.world_frame()
+    name = robot.pushed_link(goal.frame)
+    if not robot.plant.HasFrameNamed(name):
+        own = robot.plant.GetBodyIndices(robot.instance(robot.plant))
+        bodies = [robot.plant.get_body(index).name() for index in own]
+        problem = f"{robot.name} has no such body.{did_you_mean(name, bodies)}"
+        raise InvalidMessageError("frame", goal.frame, problem)
+    return robot.plant.GetFrameByName(name)

@@ -91,7 +91,7 @@ def test_joints_that_are_not_the_arms_may_be_beyond_their_limits(robot, state):
 def test_a_goal_of_the_pelvis_moves_with_it(robot, state):
     moved, indices = state.copy(), robot.indices(robot.plant)
     moved[indices.pelvis.position] += [1.0, 2.0, 0.0]
-    goal = HandGoal("l_hand", [0.4, 0.3, 0.1], of_pelvis=True)
+    goal = HandGoal("l_hand", [0.4, 0.3, 0.1], frame="pelvis")
     joints = [reach(robot, q, [goal]).joints for q in (state, moved)]
     np.testing.assert_allclose(joints[0], joints[1], atol=1e-3)
 
@@ -128,6 +128,12 @@ def test_a_goal_that_is_none_is_refused_by_field(fields, named):
     given = {"position": [0.35, 0.3, 1.0], **fields}
     with pytest.raises(InvalidMessageError, match=named):
         HandGoal("l_hand", **given)
+
+
+def test_a_frame_that_the_robot_has_not_is_refused(robot, state):
+    goal = HandGoal("l_hand", [0.5, 0.3, 1.0], frame="pelvs")
+    with pytest.raises(InvalidMessageError, match=r"frame.*pelvis"):
+        reach(robot, state, [goal])
 
 
 def test_a_hand_has_one_goal(robot, state):

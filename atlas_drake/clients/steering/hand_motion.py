@@ -24,7 +24,7 @@ from atlas_drake.planning.reach import (
     goal_between,
     reach,
 )
-from atlas_drake.robot import Robot
+from atlas_drake.robot import TRUNK, Robot
 from atlas_drake.units import GRAVITY
 
 STIFFNESS, DAMPING = 1000.0, 50.0
@@ -98,7 +98,7 @@ class HandMotion:
         return time >= self._begin + self._duration
 
     def carried(self, time: float, state: np.ndarray) -> list[HandGoal]:
-        """Returns goals with which the hands stay where they are at the pelvis.
+        """Returns goals with which the hands stay where they are at the chest.
 
         Args:
             time: Present time [s].
@@ -106,9 +106,7 @@ class HandMotion:
         """
         now, context = self._now(time), self._context(state)
         going = {goal.hand: goal for goal in now}
-        return [
-            self._start(context, replace(goal, of_pelvis=True), going) for goal in now
-        ]
+        return [self._start(context, replace(goal, frame=TRUNK), going) for goal in now]
 
     def command(
         self, time: float, state: np.ndarray, others: JointCommand | None = None
@@ -122,13 +120,9 @@ class HandMotion:
                 behavior.
         """
         goals, last = self._now(time), self._last
-        stays = self.is_there(time) and all(goal.of_pelvis for goal in goals)
-        if last is None or not stays:
-            # No joint jumps to another way to the same place.
-            within = math.inf if last is None else self.FASTEST * self.PERIOD
-            joints = reach(self._robot, state, goals, last, within).joints
-        else:
-            joints = last
+        # No joint jumps to another way to the same place.
+        within = math.inf if last is None else self.FASTEST * self.PERIOD
+        joints = reach(self._robot, state, goals, last, within).joints
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
         mine = arms_of(self._robot, goals)

@@ -14,8 +14,8 @@ from atlas_drake.simulation.atlas_simulation import AtlasSimulation
 class HandWork:
     """A simulation and its hands. Each act lasts until it is done, or the robot falls.
 
-    Hands with a goal keep it: in the world while the robot stands, and after ``hold``
-    at the pelvis, also while it walks.
+    Hands with a goal keep it, in the frame of the goal: one in the world while the
+    robot stands, and one of the pelvis or the trunk also while it walks.
     """
 
     SETTLING = 0.3
@@ -56,7 +56,7 @@ class HandWork:
                 return
 
     def hold(self, duration: float = 0.5) -> None:
-        """Keeps the hands where they are at the pelvis from now on.
+        """Keeps the hands where they are at the chest from now on.
 
         Args:
             duration: Time until they are [s].

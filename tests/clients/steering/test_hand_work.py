@@ -1,32 +1,67 @@
 """Hands and walks one after the other: each act ends when it is done."""
 
 import numpy as np
+import pytest
 
 from atlas_drake import AtlasSimulation, Behavior, HandGoal, HandWork
 
 PALM = (0.0, 0.1, 0.005)
 
 
-def test_a_hand_points_where_it_is_told_and_keeps_its_place_on_a_walk():
+AXIS = (0.0, 1.0, 0.0)
+
+
+def palm(sim, frame="world"):
+    """Place and axis of the left palm in the frame of a body."""
+    X_FH = sim.frame_pose(frame).inverse() @ sim.frame_pose("l_hand")
+    return X_FH @ np.array(PALM), X_FH.rotation() @ np.array(AXIS)
+
+
+def degrees_between(one, other):
+    cosine = one @ other / (np.linalg.norm(one) * np.linalg.norm(other))
+    return np.degrees(np.arccos(min(cosine, 1.0)))
+
+
+def test_a_hand_points_where_it_is_told():
+    sim = AtlasSimulation()
+    there, aside = np.array([0.35, 0.3, 1.05]), np.array([0.8, 0.6, 0.0])
+    HandWork(sim).move([HandGoal("l_hand", there, PALM, AXIS, aside)], 1.5)
+    place, axis = palm(sim)
+    np.testing.assert_allclose(place, there, atol=0.005)
+    assert degrees_between(axis, aside) < 1.0
+
+
+@pytest.mark.parametrize("frame", ["pelvis", "trunk"])
+def test_a_hand_keeps_its_goal_at_a_body_on_a_walk(frame):
     sim = AtlasSimulation()
     work = HandWork(sim)
-    there = np.array([0.35, 0.3, 1.05])
-    aside = np.array([0.8, 0.6, 0.0])
-    work.move([HandGoal("l_hand", there, PALM, (0.0, 1.0, 0.0), aside)], 1.5)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 1.0)
+    body = sim.robot.pushed_link(frame)
+    there, axis = palm(sim, body)
+    work.move([HandGoal("l_hand", there, PALM, AXIS, axis, frame=frame)], 0.3)
+    off, turned = [], []
 
-    def palm():
-        return sim.frame_pose("l_hand") @ np.array(PALM)
+    def look(sim):
+        place, now = palm(sim, body)
+        off.append(np.linalg.norm(place - there))
+        turned.append(degrees_between(now, axis))
 
-    points = sim.frame_pose("l_hand").rotation().matrix()[:, 1]
-    np.testing.assert_allclose(palm(), there, atol=0.005)
-    assert np.degrees(np.arccos(points @ aside)) < 1.0
-    work.hold()
-    at_pelvis = sim.pelvis_pose.inverse() @ palm()
-    off = []
-    sim.hooks.append(lambda sim: off.append(sim.pelvis_pose.inverse() @ palm()))
+    sim.hooks.append(look)
     work.walk_to(0.6, 0.0, 0.0)
     assert sim.current_behavior is Behavior.STAND
-    assert np.linalg.norm(np.array(off) - at_pelvis, axis=1).max() < 0.03
+    assert max(off) < 0.015
+    assert max(turned) < 6.0
+
+
+def test_hands_that_are_held_stay_at_the_chest_on_a_walk():
+    sim = AtlasSimulation()
+    work = HandWork(sim)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 1.0)
+    work.hold()
+    there, off = palm(sim, sim.robot.trunk)[0], []
+    sim.hooks.append(lambda sim: off.append(palm(sim, sim.robot.trunk)[0] - there))
+    work.walk_to(0.6, 0.0, 0.0)
+    assert np.linalg.norm(off, axis=1).max() < 0.015
 
 
 def test_hands_without_a_goal_are_the_behaviors():
