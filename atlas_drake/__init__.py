@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         walk_at,
     )
     from atlas_drake.planning.waypoints import walk_to
+    from atlas_drake.planning.whole_body_reach import whole_body_reach
     from atlas_drake.records import TickRecord
     from atlas_drake.scenario import (
         Jitter,
@@ -91,6 +92,7 @@ _LAZY = {
     "HandMotion": "atlas_drake.clients.steering.hand_motion",
     "HandWork": "atlas_drake.clients.steering.hand_work",
     "reach": "atlas_drake.planning.reach",
+    "whole_body_reach": "atlas_drake.planning.whole_body_reach",
     "walk_at": "atlas_drake.planning.walk_at",
     "walk_to": "atlas_drake.planning.waypoints",
 }
@@ -136,6 +138,7 @@ __all__ = [  # noqa: PLE0604
     "stop_walking",
     "walk_at",
     "walk_to",
+    "whole_body_reach",
     *_messages,
 ]
 

@@ -17,6 +17,7 @@ from pydrake.math import RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.multibody.tree import Frame
 from pydrake.solvers import SnoptSolver
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.errors import InvalidMessageError, did_you_mean
@@ -25,7 +26,7 @@ from atlas_drake.robot import Robot
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
-_NEARNESS, _ANGLE, _POSTURE = 1e4, 3.0, 1e-2
+_NEARNESS, _ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
 
@@ -165,22 +166,9 @@ def reach(
     program, variables = kinematics.prog(), kinematics.q()
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
-    posture = _POSTURE * np.eye(len(moving))
+    posture = POSTURE * np.eye(len(moving))
     program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
-    frames = [frame_of(robot, goal) for goal in goals]
-    for goal, frame in zip(goals, frames, strict=True):
-        hand = plant.GetFrameByName(goal.hand)
-        kinematics.AddPositionCost(
-            frame, goal.position, hand, goal.point, _NEARNESS * np.eye(3)
-        )
-        if goal.axis is not None:
-            kinematics.AddAngleBetweenVectorsCost(
-                hand, goal.axis, frame, goal.direction, _ANGLE
-            )
-        if goal.orientation is not None:
-            kinematics.AddOrientationCost(
-                frame, goal.rotation, hand, RotationMatrix(), _ANGLE
-            )
+    add_costs(kinematics, robot, goals)
     # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
     if math.isinf(within):
@@ -193,13 +181,55 @@ def reach(
     # A step of the line search may end beyond the limits by rounding.
     q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
     plant.SetPositions(context, q)
+    return Reach(tuple(goals), q[indices.q], positions_of(robot, context, goals))
+
+
+def add_costs(
+    kinematics: InverseKinematics, robot: Robot, goals: Sequence[HandGoal]
+) -> None:
+    """Adds what it costs that hands are not where they are wanted.
+
+    Args:
+        kinematics: Of the robot's own plant.
+        robot: The robot.
+        goals: At most one for each hand.
+    """
+    for goal in goals:
+        frame, hand = frame_of(robot, goal), robot.plant.GetFrameByName(goal.hand)
+        kinematics.AddPositionCost(
+            frame, goal.position, hand, goal.point, _NEARNESS * np.eye(3)
+        )
+        if goal.axis is not None:
+            kinematics.AddAngleBetweenVectorsCost(
+                hand, goal.axis, frame, goal.direction, _ANGLE
+            )
+        if goal.orientation is not None:
+            kinematics.AddOrientationCost(
+                frame, goal.rotation, hand, RotationMatrix(), _ANGLE
+            )
+
+
+def positions_of(
+    robot: Robot, context: Context, goals: Sequence[HandGoal]
+) -> np.ndarray:
+    """Computes where the points of goals are, each in its frame [m], shape (k, 3).
+
+    Args:
+        robot: The robot.
+        context: Of the robot's own plant.
+        goals: At most one for each hand.
+    """
+    plant = robot.plant
     found = [
         plant.CalcPointsPositions(
-            context, plant.GetFrameByName(goal.hand), goal.point, frame
+            context,
+            plant.GetFrameByName(goal.hand),
+            goal.point,
+            frame_of(robot, goal),
         ).ravel()
-        for goal, frame in zip(goals, frames, strict=True)
+        for goal in goals
     ]
-    return Reach(tuple(goals), q[indices.q], np.reshape(found, (-1, 3)))
+    return np.reshape(found, (-1, 3))
 
 
 def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:

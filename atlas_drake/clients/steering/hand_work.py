@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple
+from typing import Any
+
+import numpy as np
 
 from atlas_drake.clients.steering.hand_motion import DAMPING, STIFFNESS, HandMotion
 from atlas_drake.clients.steering.step_stream import StepStream
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
 from atlas_drake.planning.footstep_planner import steps_to
 from atlas_drake.planning.reach import HandGoal
+from atlas_drake.planning.whole_body_reach import whole_body_reach
 from atlas_drake.simulation.atlas_simulation import AtlasSimulation
+
+_BENT = 2e-3
+"""Difference of a pose of the pelvis from where it has to be [m, rad]."""
 
 
 class HandWork:
@@ -37,6 +46,30 @@ class HandWork:
         self._sim = sim
         self._hands = HandMotion(sim.robot, stiffness, damping)
         self._busy = False
+
+    def bend(self, goals: Sequence[HandGoal], patience: float = 10.0) -> None:
+        """Brings the pelvis to where hands can reach their goals, by MANIPULATE.
+
+        Args:
+            goals: At most one for each hand, to ``move`` there next.
+            patience: Longest time that it takes [s].
+
+        Raises:
+            InvalidMessageError: If a goal is out of reach of the whole body.
+        """
+        sim = self._sim
+        config: Any = sim.scenario.controller_config()
+        found, pelvis = whole_body_reach(
+            sim.robot, sim.output("state"), goals, config.manipulate.range
+        )
+        found.check()
+        command = AtlasSimInterfaceCommand(behavior=Behavior.MANIPULATE)
+        command.manipulate_params.use_desired = True
+        command.manipulate_params.desired = pelvis
+        sim.publish(command)
+        give_up = sim.time + patience
+        while self._go_on() and not self._is_bent() and sim.time < give_up:
+            pass
 
     def move(self, goals: Sequence[HandGoal], duration: float) -> None:
         """Moves hands to their goals along straight lines.
@@ -80,6 +113,14 @@ class HandWork:
                 sim.publish(command)
             if not self._go_on():
                 return
+
+    def _is_bent(self) -> bool:
+        """Returns True once MANIPULATE has brought the pelvis where it was told to."""
+        if self._sim.current_behavior is not Behavior.MANIPULATE:
+            return False
+        feedback = self._sim.atlas_sim_interface_state.manipulate_feedback
+        there, now = astuple(feedback.clamped), astuple(feedback.internal_desired)
+        return np.allclose(there, now, atol=_BENT)
 
     def _go_on(self) -> bool:
         """Simulates until the next command of the hands; False once the robot fell."""
