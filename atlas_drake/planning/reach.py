@@ -45,12 +45,12 @@ class HandGoal:
         axis: Axis of the hand in the body's frame, shape (3,); None leaves the
             direction open.
         direction: Where the axis has to point, shape (3,).
-        orientation: How the body's frame has to be turned, a unit quaternion
-            [w, x, y, z], in place of an axis; None leaves it open.
         force: What the hand exerts there, for a load its weight upward [N], shape (3,).
         frame: Body of the robot in whose frame position, direction, orientation and
             force are given, and with which they move; ``trunk`` is the chest's link on
             every robot.
+        orientation: How the body's frame has to be turned, a unit quaternion
+            [w, x, y, z], in place of an axis; None leaves it open.
     """
 
     hand: str
@@ -58,9 +58,9 @@ class HandGoal:
     point: Sequence[float] = (0.0, 0.0, 0.0)
     axis: Sequence[float] | None = None
     direction: Sequence[float] = (1.0, 0.0, 0.0)
-    orientation: Sequence[float] | None = None
     force: Sequence[float] = (0.0, 0.0, 0.0)
     frame: str = "world"
+    orientation: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
         """Checks the vectors: Drake would end the process at NaN."""
