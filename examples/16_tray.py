@@ -20,7 +20,7 @@ WEIGHT = 24.0  # of tray and glass [N]
 X, Y, Z = np.eye(3)
 UP = 0.12 * Z  # way of the lifted tray [m]
 AHEAD = 0.46  # of the robot, where it takes the tray [m]
-THERE = (0.0, 5.0, math.pi / 2)  # where the robot carries it
+FAR = 5.0  # the robot carries it to the left [m]
 
 
 def beside(middle, gap=0.0, squeeze=0.0, lift=0.0):
@@ -39,7 +39,7 @@ def tilt(sim, name):
     return math.acos(min(sim.frame_pose(name).rotation().matrix()[2, 2], 1.0))
 
 
-def serve(sim):
+def serve(sim, far=FAR):
     """Carries the tray; returns how far it leaned on the way at most [rad]."""
     work, firm, leaned = HandWork(sim), {"squeeze": SQUEEZE, "lift": WEIGHT}, [0.0]
     sim.advance(0.5)
@@ -51,17 +51,18 @@ def serve(sim):
     sim.hooks.append(lambda sim: leaned.append(tilt(sim, "tray")))
     work.move(beside(start + UP, **firm), 2.5)
     work.hold()
-    work.walk_to(*THERE)
+    work.walk_to(0.0, far, math.pi / 2)
     return max(leaned)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--headless", action="store_true", help="no 3D view")
+    parser.add_argument("--far", type=float, default=FAR, help="way of the tray [m]")
     options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
     sim = AtlasSimulation(Scenario(world="tray"), view=not options.headless)
-    leaned = serve(sim)
+    leaned = serve(sim, options.far)
     print(f"The tray leaned by {math.degrees(leaned):.1f} degrees at most.")
     stands = tilt(sim, "glass") < 0.1 and sim.frame_pose("glass").translation()[2] > 0.9
     print("The glass is served." if stands else "The glass has fallen.")

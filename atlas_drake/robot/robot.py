@@ -271,6 +271,13 @@ class Robot:
 
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
         """Finds the joints' indices in the robot's vectors of a finalized ``plant``."""
+        return self._own_indices if plant is self.plant else self._indices_in(plant)
+
+    @cached_property
+    def _own_indices(self) -> PlantIndices:
+        return self._indices_in(self.plant)  # Read in every tick of a hand's motion.
+
+    def _indices_in(self, plant: MultibodyPlant) -> PlantIndices:
         instance = self.instance(plant)
         joints = [plant.GetJointByName(name, instance) for name in self.joint_names]
         indices = plant.GetJointActuatorIndices(instance)
