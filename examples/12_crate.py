@@ -13,7 +13,7 @@ import numpy as np
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
-PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
+SIDES = {"l_hand": 1.0, "r_hand": -1.0}
 HALF, ABOVE = 0.25, 0.03  # from the crate's middle to a palm, aside and up [m]
 SQUEEZE = 200.0  # force of each palm [N]
 UP = np.array([0.0, 0.0, 0.13])  # way of the lifted crate [m]
@@ -26,12 +26,11 @@ X, Y = np.eye(3)[:2]
 def beside(middle, ahead, gap=0.0, squeeze=0.0, lift=0.0):
     """Returns goals of the palms at both sides of a point, the hands pointing ahead."""
     goals = []
-    for hand, point in PALMS.items():
-        out = np.sign(point[1]) * np.cross([0.0, 0.0, 1.0], ahead)
+    for hand, side in SIDES.items():
+        out = side * np.cross([0.0, 0.0, 1.0], ahead)
         force = [0.0, 0.0, lift / 2] - squeeze * out
         place = middle + (HALF + gap) * out + [0.0, 0.0, ABOVE]
-        axis = [0.0, np.sign(point[1]), 0.0]
-        goals.append(HandGoal(hand, place, point, axis, ahead, force))
+        goals.append(HandGoal(hand, place, ahead, force))
     return goals
 
 

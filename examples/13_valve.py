@@ -13,7 +13,7 @@ import numpy as np
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
-PALM = [0.0, 0.1, 0.005]  # the middle of the left fist, in the hand's frame [m]
+X = [1.0, 0.0, 0.0]
 RADIUS = 0.14  # of the fist's way round the wheel's middle [m]
 AHEAD, ASIDE = 0.42, 0.1  # from the robot to the wheel, which is to the left [m]
 FREE, TOUCH = math.radians(30.0), math.radians(62.0)  # between spokes, and at the upper
@@ -24,7 +24,7 @@ def grip(sim, angle, ahead=0.0):
     """Returns the goal of the fist at an angle [rad] of the wheel, from the left on."""
     ray = [ahead, RADIUS * math.cos(angle), RADIUS * math.sin(angle)]
     middle = sim.frame_pose("wheel").translation()
-    return [HandGoal("l_hand", middle + ray, PALM, axis=[0.0, 1.0, 0.0])]
+    return [HandGoal("l_hand", middle + ray, X)]
 
 
 def turned(sim):

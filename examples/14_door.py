@@ -11,7 +11,6 @@ import sys
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
-PALM = [0.0, 0.1, 0.005]  # the middle of the left fist, in the hand's frame [m]
 PLACE = [0.45, 0.25, 0.25]  # of the fist, from the pelvis [m]
 BEYOND = 1.2  # how far the robot goes beyond the door [m]
 
@@ -25,8 +24,7 @@ def walk_through(sim):
     """Opens the door on the way through it."""
     work, door = HandWork(sim), sim.frame_pose("post").translation()
     sim.advance(0.5)
-    axis = [0.0, 1.0, 0.0]
-    work.move([HandGoal("l_hand", PLACE, PALM, axis, frame="pelvis")], 1.5)
+    work.move([HandGoal("l_hand", PLACE, [1.0, 0.0, 0.0], frame="pelvis")], 1.5)
     work.walk_to(door[0] + BEYOND, door[1] - 0.55, 0.0)
 
 

@@ -10,25 +10,24 @@ import sys
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
-PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
 PLACE = [0.4, 0.22, -0.05]  # of the left palm, from the pelvis [m]
 HALF = 0.35  # from the box's middle to its near side [m]
 FIST = 0.11  # from a palm to the end of the fist [m]
 WAY = 0.5  # of the box [m]
 
 
-def push(sim, way):
+def push(sim, way, place=PLACE):
     """Pushes the box away by this [m]; returns how far it went [m]."""
     work, box = HandWork(sim), sim.frame_pose("box").translation()
     sim.advance(0.5)
-    goals = []
-    for hand, point in PALMS.items():
-        side = 1.0 if hand == "l_hand" else -1.0
-        place = [PLACE[0], side * PLACE[1], PLACE[2]]
-        axis = [0.0, side, 0.0]
-        goals.append(HandGoal(hand, place, point, axis, frame="pelvis"))
+    left, right = sim.robot.file.hands
+    ahead, aside, up = place
+    goals = [
+        HandGoal(hand, [ahead, y, up], [1.0, 0.0, 0.0], frame=sim.robot.file.pelvis)
+        for hand, y in ((left, aside), (right, -aside))
+    ]
     work.move(goals, 1.5)
-    there, pushed = box[0] - HALF - FIST - PLACE[0], 0.0
+    there, pushed = box[0] - HALF - FIST - ahead, 0.0
     for _ in range(2):  # Arms that give way leave something for a second walk.
         there += way - pushed
         work.walk_to(there, box[1], 0.0)

@@ -13,7 +13,7 @@ import numpy as np
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 
-PALMS = {"l_hand": [0.0, 0.1, 0.005], "r_hand": [0.0, -0.1, 0.005]}  # points [m]
+SIDES = {"l_hand": 1.0, "r_hand": -1.0}
 HALF = 0.25  # from the tray's middle to a palm [m]
 SQUEEZE = 80.0  # force of each palm [N]
 WEIGHT = 24.0  # of tray and glass [N]
@@ -26,11 +26,9 @@ FAR = 5.0  # the robot carries it to the left [m]
 def beside(middle, gap=0.0, squeeze=0.0, lift=0.0):
     """Returns goals of the palms at both ends of the tray, the hands pointing ahead."""
     goals = []
-    for hand, point in PALMS.items():
-        side = 1.0 if hand == "l_hand" else -1.0
+    for hand, side in SIDES.items():
         place = middle + side * (HALF + gap) * Y
-        axis, force = [0.0, side, 0.0], [0.0, -side * squeeze, lift / 2]
-        goals.append(HandGoal(hand, place, point, axis, force=force))
+        goals.append(HandGoal(hand, place, X, [0.0, -side * squeeze, lift / 2]))
     return goals
 
 

@@ -1,6 +1,6 @@
-"""Where joints have to be so that points of the hands are where they are wanted.
+"""Where joints have to be so that the palms of hands are where they are wanted.
 
-Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits the points
+Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits the palms
 come as near to their goals as they can, and with what is left the hands turn to where
 they are wanted and the joints stay near where they were.
 """
@@ -36,45 +36,43 @@ _UNIT = 1e-3
 
 @dataclass(frozen=True)
 class HandGoal:
-    """Where a point of a hand has to be, and how the hand has to be turned there.
+    """Where the palm of a hand has to be, and how the hand has to be turned there.
 
     Attributes:
         hand: Body of the hand, of those in the robot's file.
-        position: Goal of the point [m], shape (3,).
-        point: The point on the hand, in the body's frame [m], shape (3,).
-        axis: Axis of the hand in the body's frame, shape (3,); None leaves the
-            direction open.
-        direction: Where the axis has to point, shape (3,).
+        position: Goal of the palm [m], shape (3,).
+        direction: Where the hand has to point, shape (3,); None leaves it open.
         force: What the hand exerts there, for a load its weight upward [N], shape (3,).
-        frame: Body of the robot in whose frame position, direction, orientation and
-            force are given, and with which they move; ``trunk`` is the chest's link on
-            every robot.
+        frame: Body of the robot in whose frame position, direction, force and
+            orientation are given, and with which they move; ``trunk`` is the chest's
+            link on every robot.
         orientation: How the body's frame has to be turned, a unit quaternion
-            [w, x, y, z], in place of an axis; None leaves it open.
+            [w, x, y, z], in place of a direction; None leaves it open.
+        palm: Another point than the robot's palm, in the body's frame [m], shape (3,).
+            The hand points from the body's origin there.
     """
 
     hand: str
     position: Sequence[float]
-    point: Sequence[float] = (0.0, 0.0, 0.0)
-    axis: Sequence[float] | None = None
-    direction: Sequence[float] = (1.0, 0.0, 0.0)
+    direction: Sequence[float] | None = None
     force: Sequence[float] = (0.0, 0.0, 0.0)
     frame: str = "world"
     orientation: Sequence[float] | None = None
+    palm: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
         """Checks the vectors: Drake would end the process at NaN."""
-        for name in ("position", "point", "axis", "direction", "orientation", "force"):
+        for name in ("position", "direction", "force", "orientation", "palm"):
             value = getattr(self, name)
             if value is None:
                 continue
             numbers = check_vector(value, name, 4 if name == "orientation" else 3)
-            if name in ("axis", "direction") and not numbers.any():
+            if name in ("direction", "palm") and not numbers.any():
                 raise InvalidMessageError(name, value, "must not be zero")
             if name == "orientation" and abs(np.linalg.norm(numbers) - 1.0) > _UNIT:
                 raise InvalidMessageError(name, value, "must be of length 1")
-        if self.axis is not None and self.orientation is not None:
-            problem = "an axis is given as well: the hand is turned by one of them"
+        if self.direction is not None and self.orientation is not None:
+            problem = "a direction is given as well: the hand is turned by one of them"
             raise InvalidMessageError("orientation", self.orientation, problem)
 
     @property
@@ -91,7 +89,7 @@ class Reach:
     Attributes:
         goals: What was asked for.
         joints: Joint positions [rad], shape (n,), message order.
-        positions: Where the points of the goals are then, in their frames [m], (k, 3).
+        positions: Where the palms are then, in the goals' frames [m], shape (k, 3).
     """
 
     goals: tuple[HandGoal, ...]
@@ -100,7 +98,7 @@ class Reach:
 
     @property
     def distances(self) -> np.ndarray:
-        """Distances of the points from their goals [m], shape (k,)."""
+        """Distances of the palms from their goals [m], shape (k,)."""
         wanted = np.reshape([goal.position for goal in self.goals], (-1, 3))
         return np.asarray(np.linalg.norm(wanted - self.positions, axis=1))
 
@@ -108,7 +106,7 @@ class Reach:
         """Refuses a goal that is out of reach.
 
         Raises:
-            InvalidMessageError: If a point stays away by more than ``tolerance`` [m].
+            InvalidMessageError: If a palm stays away by more than ``tolerance`` [m].
                 The nearest place that it reaches is named.
         """
         far = self.distances
@@ -196,12 +194,13 @@ def add_costs(
     """
     for goal in goals:
         frame, hand = frame_of(robot, goal), robot.plant.GetFrameByName(goal.hand)
+        palm = palm_of(robot, goal)
         kinematics.AddPositionCost(
-            frame, goal.position, hand, goal.point, _NEARNESS * np.eye(3)
+            frame, goal.position, hand, palm, _NEARNESS * np.eye(3)
         )
-        if goal.axis is not None:
+        if goal.direction is not None:
             kinematics.AddAngleBetweenVectorsCost(
-                hand, goal.axis, frame, goal.direction, _ANGLE
+                hand, palm, frame, goal.direction, _ANGLE
             )
         if goal.orientation is not None:
             kinematics.AddOrientationCost(
@@ -212,7 +211,7 @@ def add_costs(
 def positions_of(
     robot: Robot, context: Context, goals: Sequence[HandGoal]
 ) -> np.ndarray:
-    """Computes where the points of goals are, each in its frame [m], shape (k, 3).
+    """Computes where palms are, each in the frame of its goal [m], shape (k, 3).
 
     Args:
         robot: The robot.
@@ -224,7 +223,7 @@ def positions_of(
         plant.CalcPointsPositions(
             context,
             plant.GetFrameByName(goal.hand),
-            goal.point,
+            palm_of(robot, goal),
             frame_of(robot, goal),
         ).ravel()
         for goal in goals
@@ -250,12 +249,15 @@ def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
         ).tolist()
         return way
 
+    direction = end.direction
+    if start.direction is not None and direction is not None:
+        direction = between(start.direction, direction)
     return replace(
         end,
         position=between(start.position, end.position),
-        direction=between(start.direction, end.direction),
-        orientation=_turned(start, end, progress),
+        direction=direction,
         force=between(start.force, end.force),
+        orientation=_turned(start, end, progress),
     )
 
 
@@ -286,6 +288,16 @@ def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:
     if len(set(names)) < len(names):
         raise InvalidMessageError("hand", names, "a hand has one goal at a time")
     return robot.limb(*(("l_arm", "r_arm")[hands.index(hand)] for hand in names))
+
+
+def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:
+    """Returns the point of a hand that has a goal, in the body's frame [m].
+
+    Args:
+        robot: The robot.
+        goal: The goal, of one of the robot's hands.
+    """
+    return np.array(robot.palms[goal.hand] if goal.palm is None else goal.palm)
 
 
 def frame_of(robot: Robot, goal: HandGoal) -> Frame:

@@ -103,6 +103,9 @@ class RobotFile(Configuration):
     back. Pushes know its body as ``trunk``."""
     hands: list[str] = field(default_factory=list)
     """Bodies of the left and the right hand; none for a robot without hands."""
+    palms: list[Vector[Meters]] = field(default_factory=list)
+    """Point of either hand that goes where the hand is told, in its body's frame [m];
+    the hand points from the body's origin there. Centers of mass if left out."""
     imu_frame: str = ""
     """Frame of the inertial sensor; the pelvis if left out."""
     feet: list[FootEntry]
@@ -136,6 +139,9 @@ class RobotFile(Configuration):
         if len(self.hands) not in (0, 2):
             problem = "must be the left and the right hand, or []"
             raise ScenarioError.about("hands", self.hands, problem)
+        if len(self.palms) not in (0, len(self.hands)):
+            problem = "must be one point for each of the hands, or []"
+            raise ScenarioError.about("palms", self.palms, problem)
         if len(self.feet) != 2:
             problem = "must be two: the left and the right foot"
             raise ScenarioError.about("feet", self.feet, problem)

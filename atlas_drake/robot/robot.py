@@ -269,6 +269,13 @@ class Robot:
             for body in plant.GetBodiesWeldedTo(hand)
         }
 
+    @cached_property
+    def palms(self) -> dict[str, list[float]]:
+        """Points of the hands that go where these are told, in their frames [m]."""
+        bodies = [self.plant.GetBodyByName(hand) for hand in self.file.hands]
+        given = self.file.palms or [body.default_com().tolist() for body in bodies]
+        return dict(zip(self.file.hands, given, strict=True))
+
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
         """Finds the joints' indices in the robot's vectors of a finalized ``plant``."""
         return self._own_indices if plant is self.plant else self._indices_in(plant)

@@ -21,7 +21,8 @@ def pushed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any
 
     Args:
         sim: A robot that stands before the world ``box``.
-        parameters: ``mass`` of the box [kg], and how far to push it, ``way`` [m].
+        parameters: ``mass`` of the box [kg], how far to push it, ``way`` [m], and the
+            ``place`` of the left palm at the pelvis [m].
 
     Returns:
         Whether the robot ``stands``, and how far the box was ``pushed`` [m].
@@ -29,5 +30,5 @@ def pushed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any
     inertia = SpatialInertia.SolidBoxWithMass(float(parameters["mass"]), *SIZE)
     box, context = sim.plant.GetBodyByName("box"), sim.part("plant")[1]
     box.SetSpatialInertiaInBodyFrame(context, inertia)
-    way = EXAMPLE["push"](sim, float(parameters["way"]))
+    way = EXAMPLE["push"](sim, float(parameters["way"]), parameters["place"])
     return {"stands": not sim.has_fallen, "pushed": float(way)}

@@ -83,9 +83,8 @@ def test_a_robot_that_presses_against_a_wall_stays_upright():
             HandGoal(
                 hand,
                 [ahead, side * 0.25, height],
-                [0.0, side * 0.1, 0.0],
-                axis=[0.0, side, 0.0],
-                force=[force, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [force, 0.0, 0.0],
             )
             for hand, side in (("l_hand", 1.0), ("r_hand", -1.0))
         ]
@@ -147,7 +146,7 @@ def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
 def test_a_hand_on_the_own_hip_is_no_pull():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
-    hip = HandGoal("l_hand", [0.0, 0.24, 0.0], [0.0, 0.1, 0.0], frame="pelvis")
+    hip = HandGoal("l_hand", [0.0, 0.24, 0.0], frame="pelvis")
     hands.aim(sim.time, sim.output("state"), [hip], 1.0)
     hand, touched = sim.plant.GetBodyByName("l_hand").index(), False
     while sim.time < 2.0:

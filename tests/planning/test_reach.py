@@ -6,8 +6,6 @@ import pytest
 from atlas_drake import HandGoal, InvalidMessageError, reach
 from atlas_drake.robot import load_robot
 
-PALM = (0.0, 0.1, 0.005)
-
 
 @pytest.fixture(scope="module")
 def robot():
@@ -26,14 +24,14 @@ def palm(robot, state, joints):
     context = robot.plant.CreateDefaultContext()
     robot.plant.SetPositions(context, q)
     X_WH = robot.plant.GetFrameByName("l_hand").CalcPoseInWorld(context)
-    return X_WH @ np.array(PALM), X_WH.rotation().matrix()[:, 1]
+    return X_WH @ np.array(robot.palms["l_hand"]), X_WH.rotation().matrix()[:, 1]
 
 
 @pytest.mark.parametrize(
     "place", [[0.5, 0.3, 1.0], [0.45, 0.25, 1.0], [0.4, 0.25, 0.95]]
 )
 def test_the_palm_is_where_it_has_to_be_and_points_ahead(robot, state, place):
-    goal = HandGoal("l_hand", place, PALM, axis=(0.0, 1.0, 0.0))
+    goal = HandGoal("l_hand", place, (1.0, 0.0, 0.0))
     found = reach(robot, state, [goal])
     found.check()
     p, axis = palm(robot, state, found.joints)
@@ -55,7 +53,9 @@ def test_a_hand_takes_a_pose_that_it_can_have(robot, state):
     X_WG = hand.CalcPoseInWorld(context)
     wxyz = X_WG.rotation().ToQuaternion().wxyz()
     found = reach(
-        robot, state, [HandGoal("l_hand", X_WG.translation(), orientation=wxyz)]
+        robot,
+        state,
+        [HandGoal("l_hand", X_WG @ robot.palms["l_hand"], orientation=wxyz)],
     )
     found.check()
     q[robot.indices(robot.plant).q] = found.joints
@@ -113,13 +113,13 @@ def test_a_hand_that_the_robot_has_not_is_refused(robot, state):
     [
         ({"position": [0.4, 0.3]}, "position"),
         ({"position": [0.4, 0.3, np.nan]}, "position"),
-        ({"point": "palm"}, "point"),
-        ({"axis": (0.0, 0.0, 0.0)}, "axis"),
+        ({"palm": "palm"}, "palm"),
+        ({"direction": (0.0, 0.0, 0.0)}, "direction"),
         ({"force": [np.inf, 0.0, 0.0]}, "force"),
         ({"orientation": [1.0, 0.0, 0.0]}, "orientation"),
         ({"orientation": [1.0, 1.0, 0.0, 0.0]}, "length 1"),
         (
-            {"orientation": [1.0, 0.0, 0.0, 0.0], "axis": (0.0, 1.0, 0.0)},
+            {"orientation": [1.0, 0.0, 0.0, 0.0], "direction": (0.0, 1.0, 0.0)},
             "by one of them",
         ),
     ],

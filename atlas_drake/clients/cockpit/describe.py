@@ -12,7 +12,6 @@ from pydrake.multibody.tree import Frame
 
 from atlas_drake.clients.cockpit.fields import param_fields
 from atlas_drake.clients.cockpit.frame import shown_event
-from atlas_drake.clients.cockpit.hands import hand_centers
 from atlas_drake.clients.logs import Log
 from atlas_drake.clients.view.overlays import OVERLAYS, logged_overlays
 from atlas_drake.config import fields_of
@@ -103,9 +102,9 @@ def _robot(robot: Robot, behaviors: Iterable[BehaviorInterface]) -> dict[str, An
         "behaviors": [_behavior(one) for one in behaviors if one.name != "NONE"],
         "sole": [sole.length, sole.width],
         "hands": [
-            {"limb": limb, "link": hand, "center": center}
-            for limb, (hand, center) in zip(
-                ("l_arm", "r_arm"), hand_centers(robot).items(), strict=False
+            {"limb": limb, "link": hand, "palm": palm}
+            for limb, (hand, palm) in zip(
+                ("l_arm", "r_arm"), robot.palms.items(), strict=False
             )
         ],
     }

@@ -10,20 +10,13 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.errors import InvalidMessageError
-from atlas_drake.planning.reach import HandGoal, arms_of, reach
-from atlas_drake.robot import Robot
+from atlas_drake.planning.reach import HandGoal, arms_of, palm_of, reach
 from atlas_drake.simulation import AtlasSimulation
 
 SPEED, TURNING = 0.25, 0.8
 """Mean speeds of a hand on its way [m/s, rad/s]."""
 SHORTEST, SETTLING = 1.0, 1.0
 """Shortest duration of a way, and time to come to rest after it [s]."""
-
-
-def hand_centers(robot: Robot) -> dict[str, list[float]]:
-    """Returns the hands' centers of mass, in their bodies' frames [m], by body."""
-    bodies = {hand: robot.plant.GetBodyByName(hand) for hand in robot.file.hands}
-    return {hand: body.default_com().tolist() for hand, body in bodies.items()}
 
 
 class Hands:
@@ -34,7 +27,7 @@ class Hands:
 
     def __init__(self, sim: AtlasSimulation) -> None:
         """Moves no hand yet."""
-        self._sim, self._centers = sim, hand_centers(sim.robot)
+        self._sim = sim
         self._motion: HandMotion | None = None
         self._next = 0.0
 
@@ -45,7 +38,7 @@ class Hands:
 
         Args:
             hand: Body of the hand.
-            position_W: Of the hand's center, in W [m].
+            position_W: Of the palm, in W [m].
             orientation_W: Of the hand's frame in W, a quaternion [w, x, y, z].
 
         Returns:
@@ -56,7 +49,7 @@ class Hands:
             InvalidMessageError: If there is no such hand, or no such pose.
         """
         robot, state = self._sim.robot, self._sim.output("state")
-        goal = self._goal(hand, position_W, orientation_W)
+        goal = HandGoal(hand, position_W, orientation=orientation_W)
         found = reach(robot, state, [goal])
         plant, context = robot.plant, robot.plant.CreateDefaultContext()
         q = np.array(state[: plant.num_positions()])
@@ -83,7 +76,7 @@ class Hands:
 
         Args:
             hand: Body of the hand.
-            position_W: Of the hand's center, in W [m].
+            position_W: Of the palm, in W [m].
             orientation_W: Of the hand's frame in W, a quaternion [w, x, y, z].
 
         Raises:
@@ -94,7 +87,8 @@ class Hands:
         if sim.has_fallen:
             problem = "the robot has fallen: reset it before its hands move"
             raise InvalidMessageError("hand", hand, problem)
-        goal = self._goal(hand, position_W, orientation_W)
+        goal = HandGoal(hand, position_W, orientation=orientation_W)
+        arms_of(sim.robot, [goal])  # Refuses what is no hand.
         motion, duration = HandMotion(sim.robot), self._duration(goal)
         motion.aim(sim.time, sim.output("state"), [goal], duration)
         self._motion, self._next = motion, sim.time
@@ -118,19 +112,10 @@ class Hands:
         if motion.is_there(sim.time - SETTLING):
             self.stop()
 
-    def _goal(
-        self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
-    ) -> HandGoal:
-        if hand not in self._centers:
-            problem = f"{self._sim.robot.name} has no such hand"
-            raise InvalidMessageError("hand", hand, problem)
-        center = self._centers[hand]
-        return HandGoal(hand, position_W, center, orientation=orientation_W)
-
     def _duration(self, goal: HandGoal) -> float:
         """Returns the time for a way from where the hand is [s]."""
         X_WH = self._sim.frame_pose(goal.hand)
-        way = np.array(goal.position) - X_WH @ np.array(goal.point)
+        way = np.array(goal.position) - X_WH @ palm_of(self._sim.robot, goal)
         turn = _angle_between(X_WH.rotation(), goal.rotation)
         return max(float(np.linalg.norm(way)) / SPEED, turn / TURNING, SHORTEST)
 

@@ -22,6 +22,7 @@ from atlas_drake.planning.reach import (
     arms_of,
     frame_of,
     goal_between,
+    palm_of,
     reach,
 )
 from atlas_drake.robot import TRUNK, Robot
@@ -151,29 +152,28 @@ class HandMotion:
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
     ) -> HandGoal:
         """Returns where the way to a goal begins: where the hand is going, or is."""
-        plant = self._robot.plant
+        plant, palm = self._robot.plant, palm_of(self._robot, goal)
         X_WH = plant.GetFrameByName(goal.hand).CalcPoseInWorld(context)
-        p, R_WH, force = X_WH @ np.array(goal.point), X_WH.rotation(), np.zeros(3)
-        axis = goal.direction if goal.axis is None else goal.axis
-        direction = R_WH @ np.array(axis)
+        p, R_WH, force = X_WH @ palm, X_WH.rotation(), np.zeros(3)
+        direction = R_WH @ (palm / np.linalg.norm(palm))
         before = going.get(goal.hand)
         if before is not None:
             X_WF = frame_of(self._robot, before).CalcPoseInWorld(context)
             p = X_WF @ np.array(before.position)
             force = X_WF.rotation() @ np.array(before.force)
-            if before.axis is not None:
+            if before.direction is not None:
                 direction = X_WF.rotation() @ np.array(before.direction)
             if before.orientation is not None:
                 R_WH = X_WF.rotation() @ before.rotation
         X_FW = frame_of(self._robot, goal).CalcPoseInWorld(context).inverse()
-        R_FH = X_FW.rotation() @ R_WH
-        turned = None if goal.orientation is None else R_FH.ToQuaternion().wxyz()
+        R_FW = X_FW.rotation()
+        directed, turned = goal.direction is not None, goal.orientation is not None
         return replace(
             goal,
             position=(X_FW @ p).tolist(),
-            direction=(X_FW.rotation() @ direction).tolist(),
-            orientation=turned,
-            force=(X_FW.rotation() @ force).tolist(),
+            direction=(R_FW @ direction).tolist() if directed else None,
+            force=(R_FW @ force).tolist(),
+            orientation=(R_FW @ R_WH).ToQuaternion().wxyz() if turned else None,
         )
 
     def _context(self, state: np.ndarray) -> Context:
@@ -198,7 +198,7 @@ class HandMotion:
         for goal in goals:
             hand = plant.GetFrameByName(goal.hand)
             J = plant.CalcJacobianTranslationalVelocity(
-                context, mode, hand, goal.point, world, world
+                context, mode, hand, palm_of(self._robot, goal), world, world
             )
             X_WF = frame_of(self._robot, goal).CalcPoseInWorld(context)
             effort = effort + J.T @ (X_WF.rotation() @ np.array(goal.force))

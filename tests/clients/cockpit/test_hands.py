@@ -5,25 +5,24 @@ import pytest
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from atlas_drake import Behavior, InvalidMessageError
-from atlas_drake.clients.cockpit.hands import hand_centers
 
 ARM = "l_arm"
 FREEZE = {"behavior": "FREEZE"}
 
 
-def center(run):
-    """The center of the left hand, and how it is turned."""
+def palm(run):
+    """Where the left palm is, and how the hand is turned."""
     X_WH = run.sim.frame_pose("l_hand")
-    return X_WH @ hand_centers(run.sim.robot)["l_hand"], X_WH.rotation()
+    return X_WH @ np.array(run.sim.robot.palms["l_hand"]), X_WH.rotation()
 
 
 def goal(run, shift_W, turn=0.0):
     """What the page sends of a goal that was dragged and turned a little."""
-    p_WC, R_WH = center(run)
+    p_WP, R_WH = palm(run)
     R_WG = RotationMatrix(RollPitchYaw(0.0, 0.0, turn)) @ R_WH
     return {
         "hand": "l_hand",
-        "position_W": (p_WC + shift_W).tolist(),
+        "position_W": (p_WP + shift_W).tolist(),
         "orientation_W": R_WG.ToQuaternion().wxyz().tolist(),
     }
 
@@ -42,8 +41,8 @@ def test_a_hand_gets_there_as_previewed_and_only_its_arm_changes_hands(run):
     assert ghost["distance"] < 1e-3
     duration = run.do("move_hand", **asked)
     pass_(run, duration + 1.0)
-    p_WC, R_WH = center(run)
-    np.testing.assert_allclose(p_WC, asked["position_W"], atol=2e-3)
+    p_WP, R_WH = palm(run)
+    np.testing.assert_allclose(p_WP, asked["position_W"], atol=2e-3)
     X_WG = RigidTransform(np.reshape(ghost["links"]["l_hand"], (4, 4)).T)
     turned = (X_WG.rotation().inverse() @ R_WH).ToAngleAxis().angle()
     assert abs(turned) < np.radians(3.0)
@@ -94,7 +93,7 @@ def test_a_behavior_lets_the_hand_go_on(run):
     duration = run.do("move_hand", **asked)
     run.do("message", atlas_sim_interface_command={"behavior": "MANIPULATE"})
     pass_(run, duration + 1.0)
-    np.testing.assert_allclose(center(run)[0], asked["position_W"], atol=2e-3)
+    np.testing.assert_allclose(palm(run)[0], asked["position_W"], atol=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +114,7 @@ def test_what_cannot_be_reached_is_refused_and_the_way_before_goes_on(
     with pytest.raises(InvalidMessageError, match=named):
         run.do("move_hand", **goal(run, [0.0, 0.0, 0.0]) | change)
     pass_(run, duration + 1.0)
-    np.testing.assert_allclose(center(run)[0], first["position_W"], atol=2e-3)
+    np.testing.assert_allclose(palm(run)[0], first["position_W"], atol=2e-3)
 
 
 def test_a_robot_that_has_fallen_moves_no_hand(run):

@@ -39,7 +39,7 @@ def hold(sim, hands, seconds):
 
 
 def goal(force=0.0):
-    return HandGoal("l_hand", PLACE, PALM, force=(0.0, 0.0, force))
+    return HandGoal("l_hand", PLACE, force=(0.0, 0.0, force))
 
 
 @pytest.mark.parametrize("load", [0.0, BAG])
@@ -72,7 +72,7 @@ def test_what_is_out_of_reach_leaves_the_motion_before_in_force():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
     hands.aim(sim.time, sim.output("state"), [goal()], 0.5)
-    far = HandGoal("l_hand", [3.0, 0.0, 1.0], PALM)
+    far = HandGoal("l_hand", [3.0, 0.0, 1.0])
     with pytest.raises(InvalidMessageError, match="nearest"):
         hands.aim(sim.time, sim.output("state"), [far], 0.5)
     assert not hands.is_there(sim.time)

@@ -11,16 +11,12 @@ from atlas_drake import (
     InvalidMessageError,
 )
 
-PALM = (0.0, 0.1, 0.005)
-
-
-AXIS = (0.0, 1.0, 0.0)
-
 
 def palm(sim, frame="world"):
-    """Place and axis of the left palm in the frame of a body."""
+    """Where the left palm is and where the hand points, in the frame of a body."""
+    palm = np.array(sim.robot.palms["l_hand"])
     X_FH = sim.frame_pose(frame).inverse() @ sim.frame_pose("l_hand")
-    return X_FH @ np.array(PALM), X_FH.rotation() @ np.array(AXIS)
+    return X_FH @ palm, X_FH.rotation() @ palm
 
 
 def degrees_between(one, other):
@@ -31,7 +27,7 @@ def degrees_between(one, other):
 def test_a_hand_points_where_it_is_told():
     sim = AtlasSimulation()
     there, aside = np.array([0.35, 0.3, 1.05]), np.array([0.8, 0.6, 0.0])
-    HandWork(sim).move([HandGoal("l_hand", there, PALM, AXIS, aside)], 1.5)
+    HandWork(sim).move([HandGoal("l_hand", there, aside)], 1.5)
     place, axis = palm(sim)
     np.testing.assert_allclose(place, there, atol=0.005)
     assert degrees_between(axis, aside) < 1.0
@@ -41,9 +37,9 @@ def test_a_hand_points_where_it_is_told():
 def test_a_hand_keeps_its_goal_at_the_pelvis_on_a_walk():
     sim = AtlasSimulation()
     work = HandWork(sim)
-    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 1.0)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05])], 1.0)
     there, axis = palm(sim, "pelvis")
-    work.move([HandGoal("l_hand", there, PALM, AXIS, axis, frame="pelvis")], 0.3)
+    work.move([HandGoal("l_hand", there, axis, frame="pelvis")], 0.3)
     off, turned = [], []
 
     def look(sim):
@@ -62,7 +58,7 @@ def test_a_hand_keeps_its_goal_at_the_pelvis_on_a_walk():
 def test_hands_that_are_held_stay_at_the_chest_on_a_walk():
     sim = AtlasSimulation()
     work = HandWork(sim)
-    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 1.0)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05])], 1.0)
     work.hold()
     there, off = palm(sim, sim.robot.trunk)[0], []
     sim.hooks.append(lambda sim: off.append(palm(sim, sim.robot.trunk)[0] - there))
@@ -75,7 +71,7 @@ def test_hands_that_are_held_stay_at_the_chest_on_a_walk():
 def test_the_whole_body_brings_a_hand_where_its_arm_does_not_reach(place):
     sim = AtlasSimulation()
     sim.advance(1.0)
-    work, goals = HandWork(sim), [HandGoal("l_hand", place, PALM)]
+    work, goals = HandWork(sim), [HandGoal("l_hand", place)]
     with pytest.raises(InvalidMessageError, match="cannot reach it"):
         work.move(goals, 2.0)
     work.bend(goals)
@@ -88,7 +84,7 @@ def test_the_whole_body_brings_a_hand_where_its_arm_does_not_reach(place):
 def test_what_the_whole_body_does_not_reach_is_refused_and_nothing_moves():
     sim = AtlasSimulation()
     with pytest.raises(InvalidMessageError, match=r"cannot reach it; the nearest"):
-        HandWork(sim).bend([HandGoal("l_hand", [0.3, 0.3, 0.1], PALM)])
+        HandWork(sim).bend([HandGoal("l_hand", [0.3, 0.3, 0.1])])
     sim.advance(0.1)
     assert sim.current_behavior is Behavior.STAND
 
@@ -97,7 +93,7 @@ def test_hands_without_a_goal_are_the_behaviors():
     sim = AtlasSimulation()
     work = HandWork(sim)
     work.hold()
-    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 0.5)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05])], 0.5)
     assert sim.output("commands").joints.k_effort.any()
     work.move([], 0.5)
     assert not sim.output("commands").joints.k_effort.any()
@@ -107,6 +103,6 @@ def test_an_act_ends_when_the_robot_falls():
     sim = AtlasSimulation()
     work = HandWork(sim)
     sim.apply_push("trunk", [3000.0, 0.0, 0.0], 0.2)
-    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05], PALM)], 30.0)
+    work.move([HandGoal("l_hand", [0.35, 0.3, 1.05])], 30.0)
     assert sim.has_fallen
     assert sim.time < 10.0

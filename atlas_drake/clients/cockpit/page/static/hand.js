@@ -119,7 +119,7 @@ export function startHand(page) {
       const inverse = viewer.scene.matrixWorld.clone().invert();
       const pose = inverse.multiply(node.object.matrixWorld);
       pose.decompose(marks.position, turn, new THREE.Vector3());
-      marks.position.set(...hand.center).applyMatrix4(pose);
+      marks.position.set(...hand.palm).applyMatrix4(pose);
     },
 
     hint() {
