@@ -45,7 +45,7 @@ class HandGoal:
         force: What the hand exerts there, for a load its weight upward [N], shape (3,).
         frame: Body of the robot in whose frame position, direction, force and
             orientation are given, and with which they move; ``trunk`` is the chest's
-            link on every robot.
+            link on every robot, ``world`` stands for W.
         orientation: How the body's frame has to be turned, a unit quaternion
             [w, x, y, z], in place of a direction; None leaves it open.
         palm: Another point than the robot's palm, in the body's frame [m], shape (3,).
@@ -191,6 +191,9 @@ def add_costs(
         kinematics: Of the robot's own plant.
         robot: The robot.
         goals: At most one for each hand.
+
+    Raises:
+        InvalidMessageError: If a hand has to point somewhere whose palm is not known.
     """
     for goal in goals:
         frame, hand = frame_of(robot, goal), robot.plant.GetFrameByName(goal.hand)
@@ -199,6 +202,9 @@ def add_costs(
             frame, goal.position, hand, palm, _NEARNESS * np.eye(3)
         )
         if goal.direction is not None:
+            if not palm.any():
+                problem = f"{goal.hand} points nowhere: give the robot's file its palms"
+                raise InvalidMessageError("direction", goal.direction, problem)
             kinematics.AddAngleBetweenVectorsCost(
                 hand, palm, frame, goal.direction, _ANGLE
             )

@@ -1,8 +1,8 @@
 """How the pelvis has to be so that hands get where they are wanted.
 
 Inverse kinematics of the whole robot: both feet stay where they are, the center of mass
-stays over the middle between them, and the trunk turns with the pelvis, as in
-MANIPULATE.
+stays over the middle between them, and the trunk turns with the pelvis, its back as in
+the stand-prep pose, as in MANIPULATE.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pydrake.multibody.inverse_kinematics import (
 )
 from pydrake.solvers import SnoptSolver
 
+from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams
 from atlas_drake.planning.reach import (
     POSTURE,
@@ -36,13 +37,14 @@ _TURNED, _RAISED = 1.0, 5.0
 """Weights of a turn of the pelvis [-] and of a change of its height [1/m²]: the arms
 reach first."""
 _MARGIN = 0.12
-"""Distance of arms and legs to their end stops, and of knees from straight [rad]: what
-MANIPULATE keeps of the legs, and what the arms need to make up for its errors."""
+"""Distance of arms and legs to their end stops [rad]: what MANIPULATE keeps of the
+legs, and what the arms need to make up for its errors."""
 _OFF = 1e-3
-"""Tolerance of the center of mass [m], and of the soles' orientation [rad]."""
+"""Tolerance of the center of mass [m], of the soles' orientation [rad], and of what is
+found."""
 
 
-class PelvisRange(Protocol):
+class AllowedPelvis(Protocol):
     """Least and greatest values of the pelvis, as in ``controller.manipulate.range``.
 
     Attributes:
@@ -59,7 +61,7 @@ class PelvisRange(Protocol):
 
 
 def whole_body_reach(
-    robot: Robot, state: np.ndarray, goals: Sequence[HandGoal], allowed: PelvisRange
+    robot: Robot, state: np.ndarray, goals: Sequence[HandGoal], allowed: AllowedPelvis
 ) -> tuple[Reach, AtlasBehaviorPelvisServoParams]:
     """Finds a pose of the pelvis, and positions of all joints, for goals of the hands.
 
@@ -74,7 +76,8 @@ def whole_body_reach(
         What is reached, and the parameters of MANIPULATE for it.
 
     Raises:
-        InvalidMessageError: If the robot has no such hand, or one has two goals.
+        InvalidMessageError: If the robot has no such hand, one has two goals, or no
+            pose is found.
     """
     plant, indices = robot.plant, robot.indices(robot.plant)
     context = plant.CreateDefaultContext()
@@ -85,6 +88,8 @@ def whole_body_reach(
     program, variables = kinematics.prog(), kinematics.q()
     world, pelvis = plant.world_frame(), plant.GetFrameByName(robot.file.pelvis)
 
+    back = robot.limb("back")
+    q[indices.q[back]] = robot.stand_prep[back]
     moves = arms_of(robot, goals) | robot.limb("l_leg", "r_leg")
     moving, fixed = indices.q[moves], indices.q[~moves]
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
@@ -131,7 +136,11 @@ def whole_body_reach(
 
     program.SetInitialGuess(variables, q)
     program.SetInitialGuess(com, plant.CalcCenterOfMassPositionInWorld(context))
-    q = SnoptSolver().Solve(program).GetSolution(variables)
+    result = SnoptSolver().Solve(program)
+    if result.GetInfeasibleConstraints(program, _OFF):
+        problem = "no pose of the whole body is found that comes near"
+        raise InvalidMessageError("goals", [goal.position for goal in goals], problem)
+    q = result.GetSolution(variables)
     plant.SetPositions(context, q)
     X_WP = pelvis.CalcPoseInWorld(context)
     roll, pitch = tilt_of(X_WP.rotation().matrix()).tolist()

@@ -139,8 +139,8 @@ class RobotFile(Configuration):
         if len(self.hands) not in (0, 2):
             problem = "must be the left and the right hand, or []"
             raise ScenarioError.about("hands", self.hands, problem)
-        if len(self.palms) not in (0, len(self.hands)):
-            problem = "must be one point for each of the hands, or []"
+        if len(self.palms) not in (0, len(self.hands)) or not all(map(any, self.palms)):
+            problem = "must be one point for each of the hands, not [0, 0, 0], or []"
             raise ScenarioError.about("palms", self.palms, problem)
         if len(self.feet) != 2:
             problem = "must be two: the left and the right foot"

@@ -10,7 +10,8 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.errors import InvalidMessageError
-from atlas_drake.planning.reach import HandGoal, arms_of, palm_of, reach
+from atlas_drake.messages import AtlasCommand
+from atlas_drake.planning.reach import TOLERANCE, HandGoal, arms_of, palm_of, reach
 from atlas_drake.simulation import AtlasSimulation
 
 SPEED, TURNING = 0.25, 0.8
@@ -29,7 +30,8 @@ class Hands:
         """Moves no hand yet."""
         self._sim = sim
         self._motion: HandMotion | None = None
-        self._next = 0.0
+        self._arm = np.zeros(len(sim.robot.joint_names), dtype=bool)
+        self._next, self._begins = 0.0, False
 
     def plan(
         self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
@@ -43,7 +45,8 @@ class Hands:
 
         Returns:
             ``links``: pose in W of each link of the arm, a matrix by columns, by name;
-            ``distance`` and ``angle``: how far the hand stays away [m, rad].
+            ``distance`` and ``angle``: how far the hand stays away [m, rad]; whether it
+            is ``near`` enough to be sent there.
 
         Raises:
             InvalidMessageError: If there is no such hand, or no such pose.
@@ -66,6 +69,7 @@ class Hands:
         return {
             "links": links,
             "distance": float(found.distances[0]),
+            "near": bool(found.distances[0] <= TOLERANCE),
             "angle": _angle_between(R_WH, goal.rotation),
         }
 
@@ -88,26 +92,33 @@ class Hands:
             problem = "the robot has fallen: reset it before its hands move"
             raise InvalidMessageError("hand", hand, problem)
         goal = HandGoal(hand, position_W, orientation=orientation_W)
-        arms_of(sim.robot, [goal])  # Refuses what is no hand.
+        arm = arms_of(sim.robot, [goal])
         motion, duration = HandMotion(sim.robot), self._duration(goal)
         motion.aim(sim.time, sim.output("state"), [goal], duration)
-        self._motion, self._next = motion, sim.time
+        self.stop()
+        self._motion, self._arm, self._next = motion, arm, sim.time
+        self._begins = True
         return duration
 
     def stop(self) -> None:
         """Leaves a hand that is on its way where it is."""
+        if self._motion is None:
+            return
         self._motion = None
+        velocity = self._sim.output("commands").joints.velocity
+        self._sim.publish(AtlasCommand(velocity=np.where(self._arm, 0.0, velocity)))
 
     def attend(self) -> None:
         """Sends the next command of a hand that is on its way, if it is time."""
         sim, motion = self._sim, self._motion
         if motion is None or sim.time < self._next - 1e-9:
             return
-        if sim.has_fallen:
+        others = sim.output("commands").joints
+        is_taken = not self._begins and (others.k[self._arm] < 1.0).any()
+        if sim.has_fallen or is_taken:
             self.stop()
             return
-        self._next = sim.time + motion.PERIOD
-        others = sim.output("commands").joints
+        self._next, self._begins = sim.time + motion.PERIOD, False
         sim.publish(motion.command(sim.time, sim.output("state"), others))
         if motion.is_there(sim.time - SETTLING):
             self.stop()

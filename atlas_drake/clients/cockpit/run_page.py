@@ -27,6 +27,7 @@ from atlas_drake.clients.steering.joint_motion import JointFacts
 from atlas_drake.clients.steering.pilot import reports_of
 from atlas_drake.clients.view.overlays import Overlays
 from atlas_drake.config import checked
+from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.checks import check_vector
@@ -79,7 +80,7 @@ class RunPage:
             reset=self.clock.reset,
             push=self._push,
             plan_hand=self._hands.plan,
-            move_hand=self._hands.move,
+            move_hand=self._move_hand,
             stop_hand=self._hands.stop,
             back=self.clock.back,
             take_over=sim.drop_schedule,
@@ -94,7 +95,7 @@ class RunPage:
         if self._policy is not None:
             self.requests |= offered(
                 steer_policy=self._steer_policy,
-                take_policy=self._policy.take,
+                take_policy=self._take_policy,
                 watch_policy=self._policy.watch,
             )
 
@@ -113,15 +114,10 @@ class RunPage:
     # ---- requests ------------------------------------------------------------
 
     def _send(self, **message: Any) -> None:
-        """Publishes a message, in the form of a scenario's ``messages``.
-
-        Joint commands end the way of a hand.
-        """
+        """Publishes a message, in the form of a scenario's ``messages``."""
         sim = self._sim
         timed = checked(TimedMessage, message, "")
         sim.publish(timed.message(sim.robot, "", sim.behaviors))
-        if timed.atlas_command:
-            self._hands.stop()
 
     def _push(self, body: str, impulse_W: Sequence[float]) -> float:
         """Pushes a link now; returns the change of the robot's velocity [m/s]."""
@@ -132,6 +128,22 @@ class RunPage:
     def _show(self, overlay: str, on: bool) -> None:
         """Switches an overlay."""
         self._overlays.switch(overlay, on)
+
+    def _move_hand(
+        self, hand: str, position_W: Sequence[float], orientation_W: Sequence[float]
+    ) -> float:
+        """Lets a hand go somewhere, see ``Hands.move``; not one of a policy's arm."""
+        policy = self._policy
+        if policy is not None and policy.runs:
+            problem = "the policy has joints: take them first (None mine)"
+            raise InvalidMessageError("hand", hand, problem)
+        return self._hands.move(hand, position_W, orientation_W)
+
+    def _take_policy(self) -> None:
+        """Lets the policy take its joints."""
+        assert self._policy is not None
+        self._hands.stop()
+        self._policy.take()
 
     def _steer_policy(self, forward: float, left: float, turn: float) -> None:
         """Asks the policy for a velocity, as shares of its greatest one."""

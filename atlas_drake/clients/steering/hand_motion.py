@@ -155,9 +155,10 @@ class HandMotion:
         plant, palm = self._robot.plant, palm_of(self._robot, goal)
         X_WH = plant.GetFrameByName(goal.hand).CalcPoseInWorld(context)
         p, R_WH, force = X_WH @ palm, X_WH.rotation(), np.zeros(3)
-        direction = R_WH @ (palm / np.linalg.norm(palm))
+        directed, turned = goal.direction is not None, goal.orientation is not None
+        direction = R_WH @ (palm / np.linalg.norm(palm)) if directed else np.zeros(3)
         before = going.get(goal.hand)
-        if before is not None:
+        if before is not None and before.palm == goal.palm:
             X_WF = frame_of(self._robot, before).CalcPoseInWorld(context)
             p = X_WF @ np.array(before.position)
             force = X_WF.rotation() @ np.array(before.force)
@@ -167,7 +168,6 @@ class HandMotion:
                 R_WH = X_WF.rotation() @ before.rotation
         X_FW = frame_of(self._robot, goal).CalcPoseInWorld(context).inverse()
         R_FW = X_FW.rotation()
-        directed, turned = goal.direction is not None, goal.orientation is not None
         return replace(
             goal,
             position=(X_FW @ p).tolist(),

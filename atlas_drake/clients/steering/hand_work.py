@@ -10,7 +10,12 @@ import numpy as np
 
 from atlas_drake.clients.steering.hand_motion import DAMPING, STIFFNESS, HandMotion
 from atlas_drake.clients.steering.step_stream import StepStream
-from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.messages import (
+    AtlasBehaviorPelvisServoParams,
+    AtlasSimInterfaceCommand,
+    Behavior,
+)
 from atlas_drake.planning.footstep_planner import steps_to
 from atlas_drake.planning.reach import HandGoal
 from atlas_drake.planning.whole_body_reach import whole_body_reach
@@ -55,7 +60,8 @@ class HandWork:
             patience: Longest time that it takes [s].
 
         Raises:
-            InvalidMessageError: If a goal is out of reach of the whole body.
+            InvalidMessageError: If a goal is out of reach of the whole body, or
+                MANIPULATE does not bring the pelvis there.
         """
         sim = self._sim
         config: Any = sim.scenario.controller_config()
@@ -70,6 +76,10 @@ class HandWork:
         give_up = sim.time + patience
         while self._go_on() and not self._is_bent() and sim.time < give_up:
             pass
+        clamped = sim.atlas_sim_interface_state.manipulate_feedback.clamped
+        if not sim.has_fallen and not _near(clamped, pelvis):
+            problem = f"MANIPULATE does not bring the pelvis there: {pelvis}"
+            raise InvalidMessageError("goals", found.positions.tolist(), problem)
 
     def move(self, goals: Sequence[HandGoal], duration: float) -> None:
         """Moves hands to their goals along straight lines.
@@ -115,12 +125,11 @@ class HandWork:
                 return
 
     def _is_bent(self) -> bool:
-        """Returns True once MANIPULATE has brought the pelvis where it was told to."""
+        """Returns True once MANIPULATE's reference of the pelvis is at its goal."""
         if self._sim.current_behavior is not Behavior.MANIPULATE:
             return False
         feedback = self._sim.atlas_sim_interface_state.manipulate_feedback
-        there, now = astuple(feedback.clamped), astuple(feedback.internal_desired)
-        return np.allclose(there, now, atol=_BENT)
+        return _near(feedback.clamped, feedback.internal_desired)
 
     def _go_on(self) -> bool:
         """Simulates until the next command of the hands; False once the robot fell."""
@@ -129,3 +138,9 @@ class HandWork:
             sim.publish(self._hands.command(sim.time, sim.output("state")))
         sim.advance(self._hands.PERIOD)
         return not sim.has_fallen
+
+
+def _near(
+    one: AtlasBehaviorPelvisServoParams, other: AtlasBehaviorPelvisServoParams
+) -> bool:
+    return np.allclose(astuple(one), astuple(other), atol=_BENT)

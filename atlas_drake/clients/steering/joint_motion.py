@@ -140,15 +140,18 @@ class JointMotion:
         self._targets.clear()
         self._command_users(
             position=self._measured,
+            velocity=np.zeros(len(self._measured)),
             kp_position=self._joints.default_kp,
             kp_velocity=np.full(len(self._measured), DAMPING),
         )
 
     def go_limp(self) -> None:
-        """Lets the user's joints go: no position gains, damping alone."""
+        """Lets the user's joints go: damping alone."""
         self._targets.clear()
         nothing = np.zeros(len(self._measured))
-        self._command_users(kp_position=nothing, ki_position=nothing)
+        self._command_users(
+            velocity=nothing, effort=nothing, kp_position=nothing, ki_position=nothing
+        )
 
     def save_pose(self, name: str) -> None:
         """Keeps the present positions of the joints under a name."""

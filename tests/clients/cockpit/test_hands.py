@@ -76,16 +76,26 @@ def test_the_other_arm_keeps_what_the_user_told_it(run):
         lambda run: run.do("message", atlas_command={"k_effort": [0] * 28}),
         lambda run: run.do("reset"),
     ],
-    ids=["STOP", "joint commands", "a reset"],
+    ids=["STOP", "giving the arm back", "a reset"],
 )
 def test_a_way_ends_by(run, ends):
     run.do("move_hand", **goal(run, [0.12, 0.0, 0.25]))
     pass_(run, 0.5)
     ends(run)
-    pass_(run, 0.02)
+    pass_(run, 0.04)
     commands = run.sim.output("commands").joints
+    assert not commands.velocity.any()
     pass_(run, 1.0)
     assert run.sim.output("commands").joints is commands
+
+
+def test_a_hand_that_is_stopped_stays_where_it_is(run):
+    run.do("move_hand", **goal(run, [0.12, 0.0, 0.25]))
+    pass_(run, 0.7)
+    run.do("stop_hand")
+    stopped = palm(run)[0]
+    pass_(run, 1.0)
+    np.testing.assert_allclose(palm(run)[0], stopped, atol=0.02)
 
 
 def test_a_behavior_lets_the_hand_go_on(run):

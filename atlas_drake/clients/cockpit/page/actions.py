@@ -54,6 +54,8 @@ STEER_POLICY = "steer_policy"
 REST = {"forward": 0.0, "left": 0.0, "turn": 0.0}
 STOP, COLUMNS = "stop", "columns"
 """What any viewer with the token may do, and any viewer at all."""
+ENDS_HANDS = (STOP, "share", "move", "hold", "go_limp", "go_to_pose")
+"""What of the pilot ends the way of a hand, which commands joints, too."""
 
 _log = logging.getLogger(__name__)
 
@@ -215,6 +217,8 @@ class Actions:
         if name in ("walk", "stop_walking") and self._steers_policy:
             velocity = REST | (dict(given) if name == "walk" else {})
             return await self._ask(Request(0, STEER_POLICY, velocity))
+        if name == "move_hand" and self._pilot is not None:
+            self._pilot.forget_joints()
         if name not in PILOT:
             return await self._ask(Request(0, name, given))
         while (pilot := self._pilot) is None:
@@ -224,7 +228,7 @@ class Actions:
             pilot.update(0.0)
         finally:
             published = self._take_published()
-        if name == STOP:
+        if name in ENDS_HANDS:
             self._send(Request(0, "stop_hand"))
         await asyncio.gather(*map(self._ask, published))
         return True if value is None else value

@@ -46,18 +46,15 @@ export function button(content, onclick, attributes) {
   return el("button", { onclick, ...attributes }, content);
 }
 
-// Makes a box to tick that asks for what it shows, and shows it until a frame says so as well:
-// frames on their way still tell of before.
+// Makes a box to tick that asks for what it shows. What was asked for it shows until there is an
+// answer: frames on their way still tell of before.
 export function tick(attributes, ask) {
-  let asked = null;
+  let open = 0;
   const input = el("input", { ...attributes, type: "checkbox", onchange: async () => {
-    asked = input.checked;
-    if (await ask(asked) === undefined) asked = null;
+    open += 1;
+    await ask(input.checked).finally(() => { open -= 1; });
   } });
-  return { input, put(on) {
-    if (on === asked) asked = null;
-    set(input, { checked: asked ?? on });
-  } };
+  return { input, put(on) { if (!open) set(input, { checked: on }); } };
 }
 
 // Makes a list to choose from, of pairs of a value and what is told of it.

@@ -7,23 +7,28 @@ import { scene } from "./scene.js";
 const ASK = 120;                  // Least time between two ghosts [ms].
 const BALL = 0.035, LONG = 0.22, WIDE = 0.15, THIN = 0.006, FAT = 0.022; // [m]
 const COLORS = ["#ff5d5d", "#4fd06b", "#5b9dff"]; // Of x, y and z.
-const PALE = "#9fd3ff";
-const OPEN = "Drag an arrow to move the hand, a ring to turn it; Esc leaves it";
-const MILLIMETERS = 1000, DEGREES = 180 / Math.PI;
+const PALE = "#6db8ff";
+const OPEN = "Drag an arrow to move the hand, a ring to turn it";
+const TURNED = 3;                 // Difference of an orientation that is told [°].
+const ALONG = 0.95, ACROSS = 0.1; // Arrows and rings seen from beyond are left alone [-].
+
+let pale = null; // The ghost's material.
 
 export function startHand(page) {
   const { THREE, viewer } = scene;
   const marks = new THREE.Group(), ghost = new THREE.Group(), turn = new THREE.Quaternion();
   const axes = COLORS.map((_, index) => new THREE.Vector3().setComponent(index, 1));
   const handles = makeHandles(axes);
-  let hand = null, found = null, held = null; // `held` from a press on an arrow or a ring on.
+  // What is found for a goal; `held` from a press on a handle on; `round` of asking for ghosts.
+  let hand = null, found = null, held = null, round = 0;
   marks.add(...handles.map(({ mesh }) => mesh));
   viewer.scene.add(marks, ghost);
   close();
 
-  const ask = seldom(ASK, async (asked) => {
-    const answer = await page.do("plan_hand", pose(), { quiet: true }).catch(() => null);
-    if (hand !== asked || answer === null) return;
+  const ask = seldom(ASK, async (goal, asked) => {
+    if (asked !== round) return;
+    const answer = await page.do("plan_hand", goal, { quiet: true }).catch(() => null);
+    if (asked !== round || answer === null) return;
     found = answer;
     showGhost(ghost, found.links);
   });
@@ -34,8 +39,25 @@ export function startHand(page) {
   }
 
   function close() {
-    hand = found = held = null;
+    hand = held = null;
     marks.visible = false;
+    drop();
+  }
+
+  // Whether a drag says how far: not of an arrow seen from its tip, nor of a ring from its edge.
+  function isUsable(ray) {
+    const look = ray.direction.clone().transformDirection(
+      viewer.scene.matrixWorld.clone().invert());
+    return ({ axis, turns }) => {
+      const along = axis ? Math.abs(look.dot(axis)) : 0;
+      return turns ? along > ACROSS : along < ALONG;
+    };
+  }
+
+  // Drops the ghost, and what is still asked for it.
+  function drop() {
+    round += 1;
+    found = null;
     ghost.clear();
     viewer.set_dirty();
   }
@@ -75,17 +97,21 @@ export function startHand(page) {
     // Where it is in W, or null.
     goal() { return hand && marks.position; },
 
-    // What of the goal a ray hits first, or null.
-    under(ray) {
+    // What of the goal a ray hits, the ball first, or null.
+    under({ ray }) {
       if (!hand) return null;
-      const [hit] = ray.intersectObjects(handles.map(({ mesh }) => mesh), true);
-      return hit ? handles.find(({ mesh }) => mesh === hit.object || mesh === hit.object.parent)
-                 : null;
+      const hits = new THREE.Raycaster(ray.origin, ray.direction).intersectObjects(
+        handles.map(({ mesh }) => mesh), true);
+      const hit = hits.map(({ object }) => handles.find(
+        ({ mesh }) => mesh === object || mesh === object.parent)).filter(isUsable(ray));
+      return hit.find(({ axis }) => !axis) ?? hit[0] ?? null;
     },
 
+    // Takes a handle; returns whether it is the ball.
     press(handle, { ray }) {
       held = { handle, from: marks.position.clone(), turn: turn.clone() };
       held.at = handle.axis && measured(ray, handle);
+      return !handle.axis;
     },
 
     drag({ ray }) {
@@ -96,20 +122,21 @@ export function startHand(page) {
         const about = new THREE.Quaternion().setFromAxisAngle(handle.axis, now - at);
         turn.copy(about.multiply(held.turn));
       } else marks.position.copy(from).addScaledVector(handle.axis, now - at);
-      found ??= { links: {}, distance: 0, angle: 0 };
+      found ??= { links: {}, near: true, angle: 0 };
       viewer.set_dirty();
-      ask(hand);
+      ask(pose(), round);
     },
 
     release() { held = null; },
 
+    // Lets the hand go there.
     async send() {
       if (!found) return;
+      const { link } = hand, asked = round;
       const duration = await page.do("move_hand", pose());
       if (duration === undefined) return;
-      page.tell(`${hand.link} gets there in ${duration.toFixed(1)} s`);
-      found = null;
-      ghost.clear();
+      page.tell(`${link} gets there in ${duration.toFixed(1)} s`);
+      if (asked === round) drop();
     },
 
     // Before each picture: a goal that nobody has moved stays at its hand.
@@ -125,11 +152,10 @@ export function startHand(page) {
     hint() {
       if (!hand) return "";
       if (!found) return OPEN;
-      const off = [[MILLIMETERS * found.distance, 5, " mm"], [DEGREES * found.angle, 3, "°"]]
-        .filter(([size, noted]) => size > noted)
-        .map(([size, , unit]) => `${size.toFixed(0)}${unit}`);
-      return "Click the ball and the hand goes there; Esc drops it"
-        + (off.length ? ` (${off.join(", ")} off)` : "");
+      if (!found.near) return `Out of reach by ${(1000 * found.distance).toFixed(0)} mm`;
+      const degrees = found.angle * 180 / Math.PI;
+      return "Click the ball and the hand goes there"
+        + (degrees > TURNED ? `, turned by ${degrees.toFixed(0)}°` : "");
     },
   };
 }
@@ -170,8 +196,8 @@ function makeHandles(axes) {
 function showGhost(ghost, links) {
   const { THREE, viewer } = scene;
   ghost.clear();
-  const pale = new THREE.MeshStandardMaterial(
-    { color: PALE, transparent: true, opacity: 0.45, depthWrite: false });
+  pale ??= new THREE.MeshStandardMaterial(
+    { color: PALE, transparent: true, opacity: 0.6, depthWrite: false });
   for (const [link, matrix] of Object.entries(links)) {
     const copy = nodeOf(link)?.object.clone();
     if (!copy) continue;

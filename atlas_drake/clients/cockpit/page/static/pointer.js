@@ -35,8 +35,8 @@ export function startPointer(page, div, links, open, hint) {
   function press(event) {
     if (event.button !== 0 || !event.isPrimary || !event.target.matches("canvas")) return;
     const handle = hand.under(ray(event));
-    const what = handle ? { kind: "hand" } : under(event, names, aiming);
-    if (handle) hand.press(handle, ray(event));
+    const what = handle ? { kind: "hand", goes: hand.press(handle, ray(event)) }
+               : under(event, names, aiming);
     pressed = { what, x: event.clientX, y: event.clientY, moved: false };
     scene.viewer.controls.enabled = what.kind === "sky" || (what.kind === "ground" && !aiming);
   }
@@ -78,7 +78,7 @@ export function startPointer(page, div, links, open, hint) {
       if (!moved) open(what.name);
       else if (!isBack) push(page, what.name, impulseOf(dx, dy));
     } else if (what.kind === "hand") {
-      if (!moved) hand.send();
+      if (!moved && what.goes) hand.send();
     } else if (what.kind === "step") {
       if (!moved) page.do("send_plan");
       else if (now) page.do("move_step", { index: what.index, ...now });

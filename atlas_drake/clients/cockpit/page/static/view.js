@@ -32,7 +32,7 @@ export function build(page, root) {
     card.box, hint, fall.box, addStatus(page)));
 
   const links = [...page.run.joints.flatMap((joint) => joint.links), ...page.run.pushed];
-  let pointer = null;
+  let pointer = null, run = null;
   page.view = {
     look: cameras.look,
     aim: () => pointer?.aim(),
@@ -53,6 +53,8 @@ export function build(page, root) {
   return {
     show(frame) {
       const first = !scene.robot;
+      if (frame.run !== run) page.view.hand?.close(); // Time has jumped.
+      run = frame.run;
       scene.robot = frame.robot;
       scene.level = frame.ground;
       if (first) look("Follow");
