@@ -26,7 +26,7 @@ demo: $(STAMP) ## Run the demonstration in a browser.
 	@$(BIN)/atlas-drake demo $(ARGS)
 
 test: $(STAMP) ## Run all tests.
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) $(ARGS)
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal $(ARGS)
 
 fast: $(STAMP) ## Run the fast tests (a minute on two cores).
 	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)

@@ -178,7 +178,7 @@ FAULTS = {
     "chest": ["chest: utorso\n", ""],
     "pelvis": ["pelvis: pelvis", "pelvis: hips"],
     "hands": ["[l_hand, r_hand]", "[l_hand]"],
-    "palms": ["palms: [[0, 0.1, 0.005], ", "palms: ["],
+    "palms": ["palms: [[0, 0.1, 0], ", "palms: ["],
     "contacts[0].frame": ["frame: l_hand", "frame: fist"],
     "urdf": ["urdf: atlas", "urdf: nothing"],
 }

@@ -282,7 +282,8 @@ class Robot:
 
     @cached_property
     def _own_indices(self) -> PlantIndices:
-        return self._indices_in(self.plant)  # Read in every tick of a hand's motion.
+        # Read in every tick of a hand's motion.
+        return read_only(self._indices_in(self.plant))
 
     def _indices_in(self, plant: MultibodyPlant) -> PlantIndices:
         instance = self.instance(plant)

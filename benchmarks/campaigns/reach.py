@@ -9,9 +9,11 @@ import numpy as np
 
 from atlas_drake import AtlasSimulation, HandGoal, HandWork, reach
 
-PLACES = ((0.2, 0.8), (-0.1, 0.9), (-0.9, 0.5))
+PLACES = ((0.38, 0.8), (0.2, 0.9), (-0.5, 0.5))
 """Least and greatest place of a goal: ahead, outward and up of the pelvis, in heights
-of the pelvis. Some are beyond the robot's reach."""
+of the pelvis: clear of the body, some beyond the robot's reach."""
+GIVES_WAY = 0.08
+"""How far the pelvis may go back as an arm stretches, in heights of the pelvis."""
 DURATION, WAY = 2.5, 0.6
 """Of a motion [s]; of the walk [m]."""
 
@@ -35,10 +37,16 @@ def reached(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     palm, pelvis = np.array(sim.robot.palms[hand]), sim.robot.file.pelvis
     while True:
         x, y, z = (rng.uniform(*ends) for ends in PLACES)
-        place = sim.pelvis_pose @ (sim.robot.pelvis_height * np.array([x, side * y, z]))
-        goal = HandGoal(hand, place)
-        if reach(sim.robot, sim.output("state"), [goal]).distances[0] < 1e-3:
+        goal, farther = (
+            HandGoal(hand, sim.pelvis_pose @ (sim.robot.pelvis_height * p))
+            for p in np.array([[x, side * y, z], [x + GIVES_WAY, side * y, z]])
+        )
+        if all(
+            reach(sim.robot, sim.output("state"), [one]).distances[0] < 1e-3
+            for one in (goal, farther)
+        ):
             break
+    place = np.array(goal.position)
     work = HandWork(sim)
     work.move([goal], DURATION)
     position = sim.frame_pose(hand) @ palm

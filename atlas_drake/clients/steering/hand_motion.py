@@ -30,6 +30,8 @@ from atlas_drake.units import GRAVITY
 
 STIFFNESS, DAMPING = 1000.0, 50.0
 """Default ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
+FULL_EFFORT_AT = 0.05
+"""Least error of a joint at which it exerts all of its effort [rad]."""
 LONGEST = 600.0
 """Longest duration of a motion [s]."""
 
@@ -50,8 +52,13 @@ class HandMotion:
     def __init__(
         self, robot: Robot, stiffness: float = STIFFNESS, damping: float = DAMPING
     ) -> None:
-        """Moves the hands of a robot, held with these gains [N·m/rad, N·m·s/rad]."""
-        self._robot, self._stiffness, self._damping = robot, stiffness, damping
+        """Moves the hands of a robot, held with these gains [N·m/rad, N·m·s/rad].
+
+        Weak joints get smaller ones.
+        """
+        self._robot = robot
+        self._stiffness = np.minimum(stiffness, robot.effort_limit / FULL_EFFORT_AT)
+        self._damping = damping * self._stiffness / stiffness
         self._from: tuple[HandGoal, ...] = ()
         self._to: tuple[HandGoal, ...] = ()
         self._begin = self._duration = 0.0
@@ -123,7 +130,7 @@ class HandMotion:
         goals, last = self._now(time), self._last
         # No joint jumps to another way to the same place.
         within = math.inf if last is None else self.FASTEST * self.PERIOD
-        joints = reach(self._robot, state, goals, last, within).joints
+        joints = reach(self._robot, self._soon(state), goals, last, within).joints
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
         mine = arms_of(self._robot, goals)
@@ -175,6 +182,17 @@ class HandMotion:
             force=(R_FW @ force).tolist(),
             orientation=(R_FW @ R_WH).ToQuaternion().wxyz() if turned else None,
         )
+
+    def _soon(self, state: np.ndarray) -> np.ndarray:
+        """Returns the positions after a ``PERIOD`` in which the joints go on.
+
+        The back moves the arms away from the pelvis. That the pelvis goes on is left
+        out: hands that press against something would push it over.
+        """
+        plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
+        q, v = np.split(np.array(state), [plant.num_positions()])
+        q[indices.q] += self.PERIOD * v[indices.v]
+        return q
 
     def _context(self, state: np.ndarray) -> Context:
         plant = self._robot.plant
