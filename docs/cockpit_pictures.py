@@ -41,6 +41,10 @@ COLORS = 192
 """Of the animated picture."""
 TUTORIAL_END = 17.0
 """Time at which the tutorial's last motion has ended [s]."""
+NEARER = 3
+"""Turns of the wheel towards the robot, until an arm fills the view."""
+TOOLS = 45
+"""Height of the buttons above the view [pixel]."""
 FARTHER = 5
 """Turns of the wheel away from the robot, until the goal of its walk is seen."""
 DRAW_WHEN_ASKED = """() => {
@@ -159,16 +163,44 @@ def watch(film: Film) -> None:
     film.run(18.0, until=lambda: film.time > TUTORIAL_END)
 
 
+def drag_hand(film: Film, picture: Path) -> None:
+    """Drags the goal of a hand up and ahead."""
+    film.page.mouse.move(640, 300)
+    for _ in range(NEARER):
+        film.page.mouse.wheel(0, -300)
+        film.page.wait_for_timeout(300)
+    film.button("Move hand").click()
+    film.run(1.0)
+    for way in ([0.0, 0.0, 0.3], [0.25, 0.0, 0.0]):
+        x, y, z = film.page.evaluate("cockpit.page.view.hand.goal().toArray()")
+        # An arrow is taken beyond the rings.
+        taken = [0.19 if part else 0.0 for part in way]
+        film.page.mouse.move(*film.place(x + taken[0], y, z + taken[2]))
+        film.page.mouse.down()
+        film.page.mouse.move(
+            *film.place(x + taken[0] + way[0], y, z + taken[2] + way[2]), steps=5
+        )
+        film.page.mouse.up()
+        film.page.wait_for_timeout(1000)
+        film.run(0.2)
+    film.page.locator("#view").screenshot(path=picture)
+    image = Image.open(picture)
+    width, height = image.size
+    image.crop((width // 4, TOOLS, 3 * width // 4, height)).save(picture)
+
+
 def make_cockpit_pictures(browser: str, images: Path) -> None:
-    """Films a drive through ``qual_task_1``, and the tutorial."""
+    """Films a drive through ``qual_task_1``, and the tutorial; drags a hand."""
     drive_file, demo_file = images / "cockpit.mp4", images / "cockpit_demo.mp4"
+    with opened(browser, demo_file, "teleop") as film:
+        drag_hand(film, images / "hand.png")
     with opened(browser, drive_file, "teleop", "--world", "qual_task_1") as film:
         drive(film, images / "cockpit.png")
     with opened(browser, demo_file, "demo", "--show", "owner,com,support") as film:
         watch(film)
     animate(demo_file, images / "cockpit.gif")
     demo_file.unlink()
-    print(f"Wrote cockpit.mp4, cockpit.png and cockpit.gif in {images}.")
+    print(f"Wrote cockpit.mp4, cockpit.png, cockpit.gif and hand.png in {images}.")
 
 
 @contextmanager

@@ -155,7 +155,7 @@ export function startHand(page) {
       if (!found.near) return `Out of reach by ${(1000 * found.distance).toFixed(0)} mm`;
       const degrees = found.angle * 180 / Math.PI;
       return "Click the ball and the hand goes there"
-        + (degrees > TURNED ? `, turned by ${degrees.toFixed(0)}°` : "");
+        + (degrees > TURNED ? `, ${degrees.toFixed(0)}° off` : "");
     },
   };
 }
