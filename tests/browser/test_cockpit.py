@@ -390,6 +390,7 @@ GOAL = """(() => {
 def test_a_hand_is_dragged_previewed_and_goes_where_it_is_told(page):
     hint = page.page.locator("#hint")
     page.until("cockpit.isComplete()")
+    page.press("Front")
     page.press("Move hand")
     wait_for(lambda: "Drag an arrow" in hint.inner_text(), "the goal")
     x, y, z = page.page.evaluate(GOAL)
