@@ -45,9 +45,7 @@ def arm_swing(robot: Robot, arms: float) -> np.ndarray:
     plant: Any = robot.plant
     context, indices = robot.standing_context(), robot.indices(plant)
     pelvis = plant.GetFrameByName(robot.file.pelvis)
-    for hand, limb, way in zip(
-        robot.file.hands, ("l_arm", "r_arm"), (-arms, arms), strict=False
-    ):
+    for (hand, limb), way in zip(robot.arms.items(), (-arms, arms), strict=False):
         J = plant.CalcJacobianTranslationalVelocity(
             context,
             JacobianWrtVariable.kV,

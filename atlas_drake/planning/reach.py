@@ -109,9 +109,9 @@ class Reach:
             InvalidMessageError: If a palm stays away by more than ``tolerance`` [m].
                 The nearest place that it reaches is named.
         """
-        far = self.distances
         if not self.goals:
             return
+        far = self.distances
         worst = int(far.argmax())
         if far[worst] > tolerance:
             goal, nearest = self.goals[worst], self.positions[worst].round(3).tolist()
@@ -145,11 +145,8 @@ def reach(
         InvalidMessageError: If the robot has no such hand, or one has two goals.
     """
     plant, indices = robot.plant, robot.indices(robot.plant)
-    context = plant.CreateDefaultContext()
-    q = np.array(state[: plant.num_positions()])
-    # Integration leaves a quaternion of not quite length 1, which no solution has.
-    q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
-    plant.SetPositions(context, q)
+    context = context_of(robot, state)
+    q = plant.GetPositions(context)
     limbs = arms_of(robot, goals)
     moving = indices.q[limbs]
     if near is not None:
@@ -180,6 +177,27 @@ def reach(
     q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
     plant.SetPositions(context, q)
     return Reach(tuple(goals), q[indices.q], positions_of(robot, context, goals))
+
+
+def context_of(
+    robot: Robot, state: np.ndarray, joints: np.ndarray | None = None
+) -> Context:
+    """Creates a Context of the robot's own plant.
+
+    Args:
+        robot: The robot.
+        state: Positions of the robot, in the order of its plant, velocities may follow.
+        joints: Joint positions in place of those [rad], shape (n,), message order.
+    """
+    plant, indices = robot.plant, robot.indices(robot.plant)
+    q = np.array(state[: plant.num_positions()])
+    # Integration leaves a quaternion of not quite length 1, which no solution has.
+    q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
+    if joints is not None:
+        q[indices.q] = joints
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, q)
+    return context
 
 
 def add_costs(
@@ -286,14 +304,14 @@ def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:
     Raises:
         InvalidMessageError: If the robot has no such hand, or one has two goals.
     """
-    names, hands = [goal.hand for goal in goals], robot.file.hands
+    names = [goal.hand for goal in goals]
     for hand in names:
-        if hand not in hands:
-            problem = f"{robot.name} has no such hand.{did_you_mean(hand, hands)}"
+        if hand not in robot.arms:
+            problem = f"{robot.name} has no such hand.{did_you_mean(hand, robot.arms)}"
             raise InvalidMessageError("hand", hand, problem)
     if len(set(names)) < len(names):
         raise InvalidMessageError("hand", names, "a hand has one goal at a time")
-    return robot.limb(*(("l_arm", "r_arm")[hands.index(hand)] for hand in names))
+    return robot.limb(*(robot.arms[hand] for hand in names))
 
 
 def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:

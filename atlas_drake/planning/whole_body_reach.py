@@ -28,10 +28,11 @@ from atlas_drake.planning.reach import (
     Reach,
     add_costs,
     arms_of,
+    context_of,
     positions_of,
 )
 from atlas_drake.robot import Robot
-from atlas_drake.rotations import mean_yaw, tilt_of, wrap_angle, yaw_of
+from atlas_drake.rotations import mean_yaw, yaw_of
 
 _TURNED, _RAISED = 1.0, 5.0
 """Weights of a turn of the pelvis [-] and of a change of its height [1/m²]: the arms
@@ -80,10 +81,8 @@ def whole_body_reach(
             pose is found.
     """
     plant, indices = robot.plant, robot.indices(robot.plant)
-    context = plant.CreateDefaultContext()
-    q = np.array(state[: plant.num_positions()])
-    q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
-    plant.SetPositions(context, q)
+    context = context_of(robot, state)
+    q = plant.GetPositions(context)
     kinematics = InverseKinematics(plant, context, with_joint_limits=False)
     program, variables = kinematics.prog(), kinematics.q()
     world, pelvis = plant.world_frame(), plant.GetFrameByName(robot.file.pelvis)
@@ -127,11 +126,11 @@ def whole_body_reach(
     )
     upright = float(middle[2]) + robot.pelvis_height
     program.AddBoundingBoxConstraint(*(upright + np.array([*allowed.height])), height)
-    X_WP = pelvis.CalcPoseInWorld(context)
-    kinematics.AddOrientationCost(
-        world, X_WP.rotation(), pelvis, RotationMatrix(), _TURNED
+    R_WP = pelvis.CalcPoseInWorld(context).rotation()
+    kinematics.AddOrientationCost(world, R_WP, pelvis, RotationMatrix(), _TURNED)
+    program.AddQuadraticErrorCost(
+        _RAISED * np.eye(1), q[indices.pelvis.position][2:], height
     )
-    program.AddQuadraticErrorCost(_RAISED * np.eye(1), X_WP.translation()[2:], height)
     add_costs(kinematics, robot, goals)
 
     program.SetInitialGuess(variables, q)
@@ -142,11 +141,10 @@ def whole_body_reach(
         raise InvalidMessageError("goals", [goal.position for goal in goals], problem)
     q = result.GetSolution(variables)
     plant.SetPositions(context, q)
-    X_WP = pelvis.CalcPoseInWorld(context)
-    roll, pitch = tilt_of(X_WP.rotation().matrix()).tolist()
+    roll, pitch, yaw = _roll_pitch_yaw(q[indices.pelvis.orientation], heading).tolist()
     params = AtlasBehaviorPelvisServoParams(
-        pelvis_height=float(X_WP.translation()[2] - middle[2]),
-        pelvis_yaw=wrap_angle(yaw_of(X_WP.rotation().matrix()) - heading),
+        pelvis_height=float(q[indices.pelvis.position][2] - middle[2]),
+        pelvis_yaw=yaw,
         pelvis_pitch=pitch,
         pelvis_roll=roll,
     )

@@ -270,6 +270,11 @@ class Robot:
         }
 
     @cached_property
+    def arms(self) -> dict[str, str]:
+        """Limbs that move the hands, by hand; empty for a robot without hands."""
+        return dict(zip(self.file.hands, ("l_arm", "r_arm"), strict=False))
+
+    @cached_property
     def palms(self) -> dict[str, list[float]]:
         """Points of the hands that go where these are told, in their frames [m]."""
         bodies = [self.plant.GetBodyByName(hand) for hand in self.file.hands]

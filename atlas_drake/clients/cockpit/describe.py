@@ -102,10 +102,8 @@ def _robot(robot: Robot, behaviors: Iterable[BehaviorInterface]) -> dict[str, An
         "behaviors": [_behavior(one) for one in behaviors if one.name != "NONE"],
         "sole": [sole.length, sole.width],
         "hands": [
-            {"limb": limb, "link": hand, "palm": palm}
-            for limb, (hand, palm) in zip(
-                ("l_arm", "r_arm"), robot.palms.items(), strict=False
-            )
+            {"limb": limb, "link": hand, "palm": robot.palms[hand]}
+            for hand, limb in robot.arms.items()
         ],
     }
 

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
-from pydrake.math import RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import AtlasCommand
-from atlas_drake.planning.reach import TOLERANCE, HandGoal, arms_of, palm_of, reach
+from atlas_drake.planning.reach import (
+    TOLERANCE,
+    HandGoal,
+    arms_of,
+    context_of,
+    palm_of,
+    reach,
+)
 from atlas_drake.simulation import AtlasSimulation
 
 SPEED, TURNING = 0.25, 0.8
@@ -54,23 +62,21 @@ class Hands:
         robot, state = self._sim.robot, self._sim.output("state")
         goal = HandGoal(hand, position_W, orientation=orientation_W)
         found = reach(robot, state, [goal])
-        plant, context = robot.plant, robot.plant.CreateDefaultContext()
-        q = np.array(state[: plant.num_positions()])
-        q[robot.indices(plant).q] = found.joints
-        plant.SetPositions(context, q)
-        arm = np.array(robot.joint_names)[arms_of(robot, [goal])]
-        joints = [plant.GetJointByName(name).index() for name in arm]
-        links = {}
-        for index in plant.GetBodiesKinematicallyAffectedBy(joints):
-            link = plant.get_body(index)
-            X_WL = plant.EvalBodyPoseInWorld(context, link)
-            links[link.name()] = X_WL.GetAsMatrix4().ravel(order="F").tolist()
-        R_WH = plant.GetFrameByName(hand).CalcPoseInWorld(context).rotation()
+        context = context_of(robot, state, found.joints)
+
+        def pose(link: str) -> RigidTransform:
+            return robot.plant.GetFrameByName(link).CalcPoseInWorld(context)
+
+        moved = [robot.moved_links[i] for i in np.flatnonzero(arms_of(robot, [goal]))]
+        links = {
+            link: pose(link).GetAsMatrix4().ravel(order="F").tolist()
+            for link in chain.from_iterable(moved)
+        }
         return {
             "links": links,
             "distance": float(found.distances[0]),
             "near": bool(found.distances[0] <= TOLERANCE),
-            "angle": _angle_between(R_WH, goal.rotation),
+            "angle": _angle_between(pose(hand).rotation(), goal.rotation),
         }
 
     def move(

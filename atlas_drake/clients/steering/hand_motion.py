@@ -20,6 +20,7 @@ from atlas_drake.planning.reach import (
     HandGoal,
     Reach,
     arms_of,
+    context_of,
     frame_of,
     goal_between,
     palm_of,
@@ -90,7 +91,7 @@ class HandMotion:
         duration = check_number(duration, "duration", self.PERIOD, LONGEST)
         there = reach(self._robot, state, goals, self._last)
         there.check()
-        context = self._context(state)
+        context = context_of(self._robot, state)
         going = {goal.hand: goal for goal in self._now(time)}
         self._from = tuple(self._start(context, goal, going) for goal in goals)
         self._to = tuple(goals)
@@ -112,7 +113,7 @@ class HandMotion:
             time: Present time [s].
             state: Positions and velocities of the robot, in the order of its plant.
         """
-        now, context = self._now(time), self._context(state)
+        now, context = self._now(time), context_of(self._robot, state)
         going = {goal.hand: goal for goal in now}
         return [self._start(context, replace(goal, frame=TRUNK), going) for goal in now]
 
@@ -194,20 +195,12 @@ class HandMotion:
         q[indices.q] += self.PERIOD * v[indices.v]
         return q
 
-    def _context(self, state: np.ndarray) -> Context:
-        plant = self._robot.plant
-        context = plant.CreateDefaultContext()
-        plant.SetPositions(context, state[: plant.num_positions()])
-        return context
-
     def _effort(
         self, state: np.ndarray, joints: np.ndarray, goals: Sequence[HandGoal]
     ) -> np.ndarray:
         """Computes the efforts that hold the arms and exert the goals' forces."""
         plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
-        q = np.array(state[: plant.num_positions()])
-        q[indices.q] = joints
-        context, world = self._context(q), plant.world_frame()
+        context, world = context_of(self._robot, state, joints), plant.world_frame()
         mode = JacobianWrtVariable.kV
         com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
             context, mode, world, world

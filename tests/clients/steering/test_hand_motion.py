@@ -26,7 +26,7 @@ def bag(plant):
 def palm(sim):
     context = sim.plant.GetMyContextFromRoot(sim.context)
     X_WH = sim.plant.GetFrameByName("l_hand").CalcPoseInWorld(context)
-    return X_WH @ np.array(PALM)
+    return X_WH @ np.array(sim.robot.palms["l_hand"])
 
 
 def hold(sim, hands, seconds):

@@ -44,10 +44,11 @@ export function startHand(page) {
     drop();
   }
 
+  function intoW() { return viewer.scene.matrixWorld.clone().invert(); }
+
   // Whether a drag says how far: not of an arrow seen from its tip, nor of a ring from its edge.
   function isUsable(ray) {
-    const look = ray.direction.clone().transformDirection(
-      viewer.scene.matrixWorld.clone().invert());
+    const look = ray.direction.clone().transformDirection(intoW());
     return ({ axis, turns }) => {
       const along = axis ? Math.abs(look.dot(axis)) : 0;
       return turns ? along > ACROSS : along < ALONG;
@@ -64,7 +65,7 @@ export function startHand(page) {
 
   // Where a ray meets the axis, or the angle at which it meets the ring's plane.
   function measured(world, { axis, turns }) {
-    const ray = world.clone().applyMatrix4(viewer.scene.matrixWorld.clone().invert());
+    const ray = world.clone().applyMatrix4(intoW());
     const from = held.from;
     if (!turns) {
       const far = from.clone().addScaledVector(axis, 10), on = new THREE.Vector3();
@@ -98,12 +99,12 @@ export function startHand(page) {
     goal() { return hand && marks.position; },
 
     // What of the goal a ray hits, the ball first, or null.
-    under({ ray }) {
+    under(caster) {
       if (!hand) return null;
-      const hits = new THREE.Raycaster(ray.origin, ray.direction).intersectObjects(
-        handles.map(({ mesh }) => mesh), true);
-      const hit = hits.map(({ object }) => handles.find(
-        ({ mesh }) => mesh === object || mesh === object.parent)).filter(isUsable(ray));
+      const hit = caster.intersectObjects(handles.map(({ mesh }) => mesh), true)
+        .map(({ object }) => handles.find(
+          ({ mesh }) => mesh === object || mesh === object.parent))
+        .filter(isUsable(caster.ray));
       return hit.find(({ axis }) => !axis) ?? hit[0] ?? null;
     },
 
@@ -122,7 +123,7 @@ export function startHand(page) {
         const about = new THREE.Quaternion().setFromAxisAngle(handle.axis, now - at);
         turn.copy(about.multiply(held.turn));
       } else marks.position.copy(from).addScaledVector(handle.axis, now - at);
-      found ??= { links: {}, near: true, angle: 0 };
+      found ??= { near: true, angle: 0 };
       viewer.set_dirty();
       ask(pose(), round);
     },
@@ -143,8 +144,7 @@ export function startHand(page) {
     step() {
       const node = hand && !found && !held && nodeOf(hand.link);
       if (!node) return;
-      const inverse = viewer.scene.matrixWorld.clone().invert();
-      const pose = inverse.multiply(node.object.matrixWorld);
+      const pose = intoW().multiply(node.object.matrixWorld);
       pose.decompose(marks.position, turn, new THREE.Vector3());
       marks.position.set(...hand.palm).applyMatrix4(pose);
     },
