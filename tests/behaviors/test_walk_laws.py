@@ -11,6 +11,7 @@ from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.messages import Quaternion, WalkStatus
 from atlas_drake.messages.event import STEPS_LEFT
+from atlas_drake.support_polygon import SupportPolygon
 from atlas_drake.units import GRAVITY
 from tests.play import SIDE, loads, play, stands
 
@@ -140,9 +141,24 @@ def test_a_foot_does_not_wait_with_a_straight_leg(waiting, robot):
     assert delay(pushed(0.3, BACK, robot, controller=straight)) < 0.02
 
 
+def has_lost_dcm(record):
+    """Whether the DCM is farther outside the support than its plan, by a margin."""
+    balance = record.balance
+    support = SupportPolygon(balance.support[~np.isnan(balance.support[:, 0])])
+    outside = support.distance_outside(balance.dcm)
+    planned = support.distance_outside(balance.dcm_reference)
+    return outside - max(planned, 0.0) > RULES.dcm_lost
+
+
 def test_a_lost_dcm_brings_lift_off_forward(hurried):
     assert delay(hurried) < -0.02
     assert not hurried.sim.has_fallen
+
+
+def test_a_foot_lifts_off_as_soon_as_the_dcm_is_lost(hurried):
+    lifted = lift_offs(hurried)[1]
+    assert has_lost_dcm(hurried.records[lifted])
+    assert not has_lost_dcm(hurried.records[lifted - 1])
 
 
 def test_a_foot_that_landed_steps_again_if_the_dcm_is_beyond_its_outer_side(again):

@@ -66,8 +66,6 @@ class WalkRules(Configuration):
     dcm_lost: NotNegative[Meters] = 0.01
     """Distance of the DCM outside the support polygon, beyond that of the plan, from
     which only a step saves the balance: the next foot lifts off at once."""
-    hurried_transfer: NotNegative[Seconds] = 0.03
-    """Time to load the other foot before such a lift-off."""
     feet_apart: NotNegative[Meters] = 0.05
     """Distance of a foot from its place beside the other one, from which it is put
     there once the balance is caught."""

@@ -36,7 +36,6 @@ class Decision(Enum):
 
     STAY = "The phase goes on."
     WAIT = "The foot lifts off later: the DCM is not near its plan."
-    HURRY = "The foot lifts off sooner: the DCM is lost."
     LIFT_OFF = "The next foot lifts off."
     STEP_AGAIN = "The foot that has just landed swings again: a push, or a lost DCM."
     CATCH = "A foot steps though no step was commanded: a push, or a lost DCM."

@@ -27,7 +27,6 @@ class Transfer(WalkPhase):
     """
 
     unloading: int | None  # Foot that lifts off; None if no step was known
-    first_duration: float  # Duration as planned when the phase began [s]
     from_rest: bool = False
     toe_off: float = 0.0  # Pitch of that foot about its toes at lift-off [rad]
     landed: float = 0.0  # Pitch with which the other foot landed [rad]
@@ -35,8 +34,8 @@ class Transfer(WalkPhase):
     def decide(self, tick: WalkTick) -> Decision:
         """When does the foot lift off?
 
-        As planned; later, until the DCM is near its plan; sooner, if the DCM is lost;
-        at once, if a push has lifted a foot.
+        As planned; later, until the DCM is near its plan; at once, if the DCM is lost
+        or a push has lifted a foot.
         """
         lost, coming = self.has_lost_dcm(tick), self.progress.coming
         airborne = self.airborne(tick)
@@ -49,14 +48,14 @@ class Transfer(WalkPhase):
             return Decision.STOP
         if coming and coming[0].foot != self.unloading:
             return Decision.SHIFT_WEIGHT
-        hurries = lost and not self.is_hurried
-        if hurries and not self.from_rest and may_step_again(self.progress, tick):
-            return Decision.STEP_AGAIN
+        if lost:
+            again = not self.from_rest and may_step_again(self.progress, tick)
+            return Decision.STEP_AGAIN if again else Decision.LIFT_OFF
         if self.elapsed < self.duration:
-            return Decision.HURRY if hurries else Decision.STAY
+            return Decision.STAY
         if not coming:
             return Decision.STOP
-        if not lost and self._may_wait(tick) and not self._is_dcm_ready(tick):
+        if self._may_wait(tick) and not self._is_dcm_ready(tick):
             return Decision.WAIT
         return Decision.LIFT_OFF
 
@@ -69,18 +68,13 @@ class Transfer(WalkPhase):
     # ---- lift-off ------------------------------------------------------------
 
     @property
-    def is_hurried(self) -> bool:
-        """True once lift-off was brought forward to save the balance."""
-        return self.duration < self.first_duration
-
-    @property
     def is_late(self) -> bool:
         """True while lift-off is later than planned."""
         return self.elapsed > self.duration
 
     def leaving_pitch(self, time: float) -> Pitch:
         """Evaluates the pitch of the leaving foot about its toes at a ``time`` [s]."""
-        return rising(self.toe_off, self.first_duration, time)
+        return rising(self.toe_off, self.duration, time)
 
     def _may_wait(self, tick: WalkTick) -> bool:
         """Returns True while waiting may bring the DCM nearer to its plan.

@@ -53,9 +53,6 @@ def next_phase(
             return keep_balance(phase, tick), ()
         case _, Decision.STAY:
             return phase, ()
-        case Transfer(), Decision.HURRY:
-            soonest = phase.elapsed + tick.config.rules.hurried_transfer
-            return replace(phase, duration=min(phase.duration, soonest)), ()
         case Transfer(), Decision.WAIT:
             # The plan stands still at the moment of lift-off.
             return replace(phase, plan_time=phase.plan_time - tick.dt), ()
@@ -86,12 +83,11 @@ def lift_off(phase: Transfer, tick: WalkTick) -> tuple[Swing | Settle, Events]:
     The feet are measured again: since touchdown the load has turned the soles flat. A
     foot on its toes is known from when it was flat.
     """
-    late = phase.elapsed - phase.duration
+    late = max(phase.elapsed - phase.duration, 0.0)
     feet, pitch, toeing = tick.observation.foot_poses, FLAT, phase.on_toes
     if toeing is not None:
         feet = with_foot(feet, toeing, phase.progress.feet[toeing])
-        on_time = late <= tick.dt
-        pitch = phase.leaving_pitch(phase.duration if on_time else phase.elapsed)
+        pitch = phase.leaving_pitch(phase.elapsed - min(late, tick.dt))
     time = tick.observation.time
     progress, news = with_warnings(replace(phase.progress, feet=feet), time)
     if not progress.coming:
@@ -308,7 +304,6 @@ def make_transfer(
         support=tick.support(progress.feet, step.foot if toe_off else None),
         duration=duration,
         unloading=step.foot,
-        first_duration=duration,
         toe_off=toe_off,
         landed=landed,
     )
@@ -338,7 +333,6 @@ def shift_weight(
         support=support,
         duration=duration,
         unloading=progress.coming[0].foot if progress.coming else None,
-        first_duration=duration,
         from_rest=True,
     )
 
