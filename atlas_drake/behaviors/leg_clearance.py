@@ -6,13 +6,12 @@ import functools
 from itertools import product
 
 import numpy as np
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.behaviors.scaling import CLEARANCE
 from atlas_drake.control.feet.leg_kinematics import leg_solver
 from atlas_drake.robot import Robot
 from atlas_drake.robot.leg import KNEE
+from atlas_drake.robot.shapes import shapes_of
 from atlas_drake.rotations import rotation_z
 
 RAISED = (0.0, 0.03)
@@ -36,7 +35,7 @@ def pelvis_to_feet(robot: Robot) -> np.ndarray:
 
 @functools.lru_cache(maxsize=8)
 def leg_clearance(robot: Robot) -> LegClearance:
-    """Returns the clearance of a robot's legs; cached, as it parses the robot."""
+    """Returns the clearance of a robot's legs; cached, as it looks at all shapes."""
     return LegClearance(robot)
 
 
@@ -44,17 +43,13 @@ class LegClearance:
     """Whether the shapes of both legs stay apart with one foot beside the other."""
 
     def __init__(self, robot: Robot):
-        builder = DiagramBuilder()
-        plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
-        robot.add_to(plant)
-        plant.Finalize()
-        self._plant, self._diagram = plant, builder.Build()
-        self._root = self._diagram.CreateDefaultContext()
+        shapes = shapes_of(robot)
+        self._plant, self._context = shapes.plant, shapes.context()
         self._robot = robot
         self._p_PM = pelvis_to_feet(robot)
         self._legs = [(leg, leg_solver(leg)) for leg in robot.legs]
+        plant, inspector = shapes.plant, shapes.scene_graph.model_inspector()
         self._places = robot.indices(plant).q
-        inspector = scene_graph.model_inspector()
         left, right = (
             [
                 shape
@@ -100,7 +95,7 @@ class LegClearance:
             if pose is None:  # Out of reach, which is not a matter of the shapes.
                 return np.inf
             q[leg.joints] = pose.angles
-        context = self._plant.GetMyMutableContextFromRoot(self._root)
+        context = self._context
         positions = self._plant.GetPositions(context)
         positions[self._places] = q
         self._plant.SetPositions(context, positions)

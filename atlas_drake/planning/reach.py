@@ -1,8 +1,9 @@
 """Where joints have to be so that the palms of hands are where they are wanted.
 
-Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits the palms
-come as near to their goals as they can, and with what is left the hands turn to where
-they are wanted and the joints stay near where they were.
+Inverse kinematics by Drake's ``InverseKinematics``: within the joint limits, and clear
+of the robot's own body, the palms come as near to their goals as they can, and with
+what is left the hands turn to where they are wanted and the joints stay near where they
+were.
 """
 
 from __future__ import annotations
@@ -15,20 +16,30 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
-from pydrake.solvers import SnoptSolver
+from pydrake.solvers import SnoptSolver, SolverOptions
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import check_vector
 from atlas_drake.robot import Robot
+from atlas_drake.robot.shapes import NEAR, shapes_of
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
 _NEARNESS, _ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
+
+_WATCHED = 0.03
+"""Distance of two links from which the search keeps them apart [m]."""
+_ITERATIONS = 60
+"""Largest number of steps of a search: where the nearest of several pairs of links
+changes from step to step, it may go on for seconds and gains nothing."""
+_CLOSE = 1e-3
+"""Violation of a constraint up to which a pose counts as possible."""
 
 _UNIT = 1e-3
 """Largest difference of a quaternion's length from 1."""
@@ -144,10 +155,10 @@ def reach(
     Raises:
         InvalidMessageError: If the robot has no such hand, or one has two goals.
     """
-    plant, indices = robot.plant, robot.indices(robot.plant)
-    context = context_of(robot, state)
-    q = plant.GetPositions(context)
-    limbs = arms_of(robot, goals)
+    shapes, limbs = shapes_of(robot), arms_of(robot, goals)
+    plant, context = shapes.plant, shapes.context_for(limbs)
+    indices, q = robot.indices(plant), positions_at(robot, state)
+    plant.SetPositions(context, q)
     moving = indices.q[limbs]
     if near is not None:
         q[moving] = near[limbs]
@@ -163,20 +174,39 @@ def reach(
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
     posture = POSTURE * np.eye(len(moving))
     program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
-    add_costs(kinematics, robot, goals)
+    add_costs(kinematics, plant, robot, goals)
+    stay_clear(kinematics)
     # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
     if math.isinf(within):
         starts += [robot.stand_prep[limbs], 0.5 * (lower + upper)]
+    options = SolverOptions()
+    options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
     results = []
     for start in starts:
         q[moving] = np.clip(start, lower, upper)
-        results.append(SnoptSolver().Solve(program, q))
-    best = min(results, key=lambda result: result.get_optimal_cost())
+        results.append(SnoptSolver().Solve(program, q, options))
+    clear = [r for r in results if not r.GetInfeasibleConstraints(program, _CLOSE)]
+    best = min(clear or results, key=lambda result: result.get_optimal_cost())
     # A step of the line search may end beyond the limits by rounding.
     q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
-    plant.SetPositions(context, q)
-    return Reach(tuple(goals), q[indices.q], positions_of(robot, context, goals))
+    found = positions_of(robot, context_of(robot, q), goals)
+    return Reach(tuple(goals), q[indices.q], found)
+
+
+def positions_at(robot: Robot, state: np.ndarray) -> np.ndarray:
+    """Returns the positions of the robot's own plant, with a quaternion of length 1.
+
+    Args:
+        robot: The robot.
+        state: Positions of the robot, in the order of its plant, velocities may follow.
+    """
+    plant = robot.plant
+    q = np.array(state[: plant.num_positions()])
+    # Integration leaves a quaternion of not quite length 1, which no solution has.
+    turned = robot.indices(plant).pelvis.orientation
+    q[turned] /= np.linalg.norm(q[turned])
+    return q
 
 
 def context_of(
@@ -189,24 +219,34 @@ def context_of(
         state: Positions of the robot, in the order of its plant, velocities may follow.
         joints: Joint positions in place of those [rad], shape (n,), message order.
     """
-    plant, indices = robot.plant, robot.indices(robot.plant)
-    q = np.array(state[: plant.num_positions()])
-    # Integration leaves a quaternion of not quite length 1, which no solution has.
-    q[indices.pelvis.orientation] /= np.linalg.norm(q[indices.pelvis.orientation])
+    plant, q = robot.plant, positions_at(robot, state)
     if joints is not None:
-        q[indices.q] = joints
+        q[robot.indices(plant).q] = joints
     context = plant.CreateDefaultContext()
     plant.SetPositions(context, q)
     return context
 
 
+def stay_clear(kinematics: InverseKinematics) -> None:
+    """Keeps the links that the Context of ``kinematics`` watches apart.
+
+    Args:
+        kinematics: Of a plant with shapes.
+    """
+    kinematics.AddMinimumDistanceLowerBoundConstraint(NEAR, _WATCHED - NEAR)
+
+
 def add_costs(
-    kinematics: InverseKinematics, robot: Robot, goals: Sequence[HandGoal]
+    kinematics: InverseKinematics,
+    plant: MultibodyPlant,
+    robot: Robot,
+    goals: Sequence[HandGoal],
 ) -> None:
     """Adds what it costs that hands are not where they are wanted.
 
     Args:
-        kinematics: Of the robot's own plant.
+        kinematics: Of ``plant``.
+        plant: A plant of the robot.
         robot: The robot.
         goals: At most one for each hand.
 
@@ -214,7 +254,7 @@ def add_costs(
         InvalidMessageError: If a hand has to point somewhere whose palm is not known.
     """
     for goal in goals:
-        frame, hand = frame_of(robot, goal), robot.plant.GetFrameByName(goal.hand)
+        frame, hand = frame_of(robot, goal, plant), plant.GetFrameByName(goal.hand)
         palm = palm_of(robot, goal)
         kinematics.AddPositionCost(
             frame, goal.position, hand, palm, _NEARNESS * np.eye(3)
@@ -324,20 +364,23 @@ def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:
     return np.array(robot.palms[goal.hand] if goal.palm is None else goal.palm)
 
 
-def frame_of(robot: Robot, goal: HandGoal) -> Frame:
-    """Returns the frame in which a goal is given, of the robot's own plant.
+def frame_of(
+    robot: Robot, goal: HandGoal, plant: MultibodyPlant | None = None
+) -> Frame:
+    """Returns the frame in which a goal is given.
 
     Args:
         robot: The robot.
         goal: The goal.
+        plant: A plant of the robot; None for its own.
 
     Raises:
         InvalidMessageError: If the robot has no such body.
     """
-    name = robot.pushed_link(goal.frame)
-    if not robot.plant.HasFrameNamed(name):
-        own = robot.plant.GetBodyIndices(robot.instance(robot.plant))
-        bodies = [robot.plant.get_body(index).name() for index in own]
+    plant, name = plant or robot.plant, robot.pushed_link(goal.frame)
+    if not plant.HasFrameNamed(name):
+        own = plant.GetBodyIndices(robot.instance(plant))
+        bodies = [plant.get_body(index).name() for index in own]
         problem = f"{robot.name} has no such body.{did_you_mean(name, bodies)}"
         raise InvalidMessageError("frame", goal.frame, problem)
-    return robot.plant.GetFrameByName(name)
+    return plant.GetFrameByName(name)

@@ -29,9 +29,12 @@ from atlas_drake.planning.reach import (
     add_costs,
     arms_of,
     context_of,
+    positions_at,
     positions_of,
+    stay_clear,
 )
 from atlas_drake.robot import Robot
+from atlas_drake.robot.shapes import shapes_of
 from atlas_drake.rotations import mean_yaw, yaw_of
 
 _TURNED, _RAISED = 1.0, 5.0
@@ -80,16 +83,17 @@ def whole_body_reach(
         InvalidMessageError: If the robot has no such hand, one has two goals, or no
             pose is found.
     """
-    plant, indices = robot.plant, robot.indices(robot.plant)
-    context = context_of(robot, state)
-    q = plant.GetPositions(context)
+    moves = arms_of(robot, goals) | robot.limb("l_leg", "r_leg")
+    shapes = shapes_of(robot)
+    plant, context = shapes.plant, shapes.context_for(moves)
+    indices, q = robot.indices(plant), positions_at(robot, state)
+    plant.SetPositions(context, q)
     kinematics = InverseKinematics(plant, context, with_joint_limits=False)
     program, variables = kinematics.prog(), kinematics.q()
     world, pelvis = plant.world_frame(), plant.GetFrameByName(robot.file.pelvis)
 
     back = robot.limb("back")
     q[indices.q[back]] = robot.stand_prep[back]
-    moves = arms_of(robot, goals) | robot.limb("l_leg", "r_leg")
     moving, fixed = indices.q[moves], indices.q[~moves]
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
     program.AddBoundingBoxConstraint(
@@ -131,7 +135,8 @@ def whole_body_reach(
     program.AddQuadraticErrorCost(
         _RAISED * np.eye(1), q[indices.pelvis.position][2:], height
     )
-    add_costs(kinematics, robot, goals)
+    add_costs(kinematics, plant, robot, goals)
+    stay_clear(kinematics)
 
     program.SetInitialGuess(variables, q)
     program.SetInitialGuess(com, plant.CalcCenterOfMassPositionInWorld(context))
@@ -140,7 +145,6 @@ def whole_body_reach(
         problem = "no pose of the whole body is found that comes near"
         raise InvalidMessageError("goals", [goal.position for goal in goals], problem)
     q = result.GetSolution(variables)
-    plant.SetPositions(context, q)
     roll, pitch, yaw = _roll_pitch_yaw(q[indices.pelvis.orientation], heading).tolist()
     params = AtlasBehaviorPelvisServoParams(
         pelvis_height=float(q[indices.pelvis.position][2] - middle[2]),
@@ -148,7 +152,7 @@ def whole_body_reach(
         pelvis_pitch=pitch,
         pelvis_roll=roll,
     )
-    found = positions_of(robot, context, goals)
+    found = positions_of(robot, context_of(robot, q), goals)
     return Reach(tuple(goals), q[indices.q], found), params
 
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from atlas_drake import HandGoal, InvalidMessageError, reach
+from atlas_drake.planning.reach import positions_at
 from atlas_drake.robot import load_robot
+from atlas_drake.robot.shapes import NEAR, shapes_of
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +75,31 @@ def test_only_the_arm_of_the_hand_moves_and_within_its_limits(robot, state):
     assert not (moved & ~robot.limb("l_arm")).any()
     assert (found.joints >= robot.position_lower - 1e-9).all()
     assert (found.joints <= robot.position_upper + 1e-9).all()
+
+
+BESIDE_THE_BODY = [
+    [x, y, z] for x in (0.15, 0.25, 0.35) for y in (-0.1, 0.1) for z in (0.9, 1.1)
+]
+
+
+@pytest.mark.parametrize("place", BESIDE_THE_BODY)
+def test_no_arm_is_within_the_body(robot, state, place):
+    """Most of these places are reached only through the chest, or around it."""
+    found = reach(robot, state, [HandGoal("l_hand", place)])
+    shapes, arm = shapes_of(robot), robot.limb("l_arm")
+    context = shapes.context_for(arm)
+    q = positions_at(robot, state)
+    q[robot.indices(shapes.plant).q] = found.joints
+    shapes.plant.SetPositions(context, q)
+    query = shapes.plant.get_geometry_query_input_port().Eval(context)
+    near = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
+    assert near
+    assert min(pair.distance for pair in near) > 0.9 * NEAR
+
+
+def test_a_place_that_only_the_chest_hides_is_refused(robot, state):
+    with pytest.raises(InvalidMessageError, match="the nearest place is"):
+        reach(robot, state, [HandGoal("l_hand", [0.15, 0.1, 0.9])]).check()
 
 
 def test_a_state_that_integration_has_left_unnormalized_is_solved(robot, state):

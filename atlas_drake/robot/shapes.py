@@ -1,0 +1,88 @@
+"""The shapes of a robot without a world: whether its links touch each other."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    SceneGraph,
+)
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.systems.framework import Context, DiagramBuilder
+
+from atlas_drake.robot.robot import Robot
+from atlas_drake.units import Meters
+
+NEAR: Meters = 0.01
+"""Distance up to which two links in the stand-prep pose count as neighbors, such as a
+shoulder and the trunk [m]."""
+
+
+@functools.lru_cache(maxsize=8)
+def shapes_of(robot: Robot) -> Shapes:
+    """Returns the shapes of a robot; cached, as it parses the robot."""
+    return Shapes(robot)
+
+
+class Shapes:
+    """A robot alone, with its shapes. Holds no state.
+
+    Attributes:
+        plant: The plant of the robot.
+        scene_graph: Its shapes.
+    """
+
+    def __init__(self, robot: Robot):
+        builder = DiagramBuilder()
+        plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+        robot.add_to(plant)
+        plant.Finalize()
+        self.plant: MultibodyPlant = plant
+        self.scene_graph: SceneGraph = scene_graph
+        self._diagram = builder.Build()
+        self._robot = robot
+
+    def context(self) -> Context:
+        """Creates a Context of the plant, whose shapes can be asked for distances."""
+        root = self._diagram.CreateDefaultContext()
+        return self.plant.GetMyMutableContextFromRoot(root)
+
+    def context_for(self, moving: np.ndarray) -> Context:
+        """Creates a Context in which the links of some joints are watched alone.
+
+        Two links that these joints do not move, and neighbors, may touch.
+
+        Args:
+            moving: Which joints move, bool, shape (n,), message order.
+        """
+        root = self._diagram.CreateDefaultContext()
+        filters = self.scene_graph.collision_filter_manager(
+            self.scene_graph.GetMyMutableContextFromRoot(root)
+        )
+        plant, robot = self.plant, self._robot
+        links = robot.moved_links
+        own = {link for joint in np.flatnonzero(moving) for link in links[joint]}
+        bodies = map(plant.get_body, plant.GetBodyIndices(robot.instance(plant)))
+        rest = [body for body in bodies if body.name() not in own]
+        still = GeometrySet(
+            [plant.GetBodyFrameIdOrThrow(body.index()) for body in rest]
+        )
+        filters.Apply(CollisionFilterDeclaration().ExcludeWithin(still))
+        for one, other in self._neighbors:
+            pair = GeometrySet(one), GeometrySet(other)
+            filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*pair))
+        return plant.GetMyMutableContextFromRoot(root)
+
+    @functools.cached_property
+    def _neighbors(self) -> list[tuple[GeometryId, GeometryId]]:
+        context, indices = self.context(), self._robot.indices(self.plant)
+        q = self.plant.GetPositions(context)
+        q[indices.q] = self._robot.stand_prep
+        self.plant.SetPositions(context, q)
+        query = self.plant.get_geometry_query_input_port().Eval(context)
+        near = query.ComputeSignedDistancePairwiseClosestPoints(NEAR)
+        return [(pair.id_A, pair.id_B) for pair in near]
