@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RotationMatrix
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
@@ -91,6 +91,26 @@ class HandGoal:
         """The orientation as a matrix."""
         wxyz = np.array(self.orientation)
         return RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
+
+    def in_world(self, X_WF: RigidTransform) -> HandGoal:
+        """Returns the same goal in W, where its frame is now.
+
+        Args:
+            X_WF: Pose of its frame.
+        """
+        R_WF, direction, orientation = X_WF.rotation(), self.direction, self.orientation
+        if direction is not None:
+            direction = R_WF @ np.array(direction)
+        if orientation is not None:
+            orientation = (R_WF @ self.rotation).ToQuaternion().wxyz()
+        return replace(
+            self,
+            position=X_WF @ np.array(self.position),
+            direction=direction,
+            force=R_WF @ np.array(self.force),
+            frame="world",
+            orientation=orientation,
+        )
 
 
 @dataclass(frozen=True)

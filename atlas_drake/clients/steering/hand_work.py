@@ -29,7 +29,9 @@ class HandWork:
     """A simulation and its hands. Each act lasts until it is done, or the robot falls.
 
     Hands with a goal keep it, in the frame of the goal: one in the world while the
-    robot stands, and one of the pelvis or the trunk also while it walks.
+    robot stands, and one of the pelvis or the trunk also while it walks. The frame may
+    also be one of something else, such as ``crate``: then the goal is where that is as
+    the act begins.
     """
 
     SETTLING = 0.3
@@ -66,7 +68,10 @@ class HandWork:
         sim = self._sim
         config: Any = sim.scenario.controller_config()
         found, pelvis = whole_body_reach(
-            sim.robot, sim.output("state"), goals, config.manipulate.range
+            sim.robot,
+            sim.output("state"),
+            self._placed(goals),
+            config.manipulate.range,
         )
         found.check()
         command = AtlasSimInterfaceCommand(behavior=Behavior.MANIPULATE)
@@ -92,7 +97,8 @@ class HandWork:
             InvalidMessageError: If a goal is out of reach.
         """
         sim = self._sim
-        self._hands.aim(sim.time, sim.output("state"), goals, duration)
+        state = sim.output("state")
+        self._hands.aim(sim.time, state, self._placed(goals), duration)
         self._busy = True
         while not self._hands.is_there(sim.time - self.SETTLING):
             if not self._go_on():
@@ -123,6 +129,21 @@ class HandWork:
                 sim.publish(command)
             if not self._go_on():
                 return
+
+    def _placed(self, goals: Sequence[HandGoal]) -> list[HandGoal]:
+        """Returns the goals, those in the frame of something else in W."""
+        sim = self._sim
+
+        def placed(goal: HandGoal) -> HandGoal:
+            plant = sim.robot.plant
+            if plant.HasFrameNamed(sim.robot.pushed_link(goal.frame)):
+                return goal
+            try:
+                return goal.in_world(sim.frame_pose(goal.frame))
+            except ValueError as error:
+                raise InvalidMessageError("frame", goal.frame, str(error)) from error
+
+        return [placed(goal) for goal in goals]
 
     def _is_bent(self) -> bool:
         """Returns True once MANIPULATE's reference of the pelvis is at its goal."""

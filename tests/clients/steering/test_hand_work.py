@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.math import RigidTransform, RotationMatrix
 
 from atlas_drake import (
     AtlasSimulation,
@@ -9,6 +10,7 @@ from atlas_drake import (
     HandGoal,
     HandWork,
     InvalidMessageError,
+    Scenario,
 )
 
 
@@ -31,6 +33,32 @@ def test_a_hand_points_where_it_is_told():
     place, axis = palm(sim)
     np.testing.assert_allclose(place, there, atol=0.005)
     assert degrees_between(axis, aside) < 1.0
+
+
+def test_a_goal_at_a_thing_is_where_the_thing_is():
+    sim = AtlasSimulation(Scenario(world="box"))
+    X_WB = RigidTransform(RotationMatrix.MakeZRotation(0.4), [0.8, 0.4, 0.45])
+    context, box = sim.part("plant")[1], sim.plant.GetBodyByName("box")
+    sim.plant.SetFreeBodyPose(context, box, X_WB)
+    work, before = HandWork(sim), [-0.45, 0.0, 0.5]
+    work.move([HandGoal("l_hand", before, [1.0, 0.0, 0.0], frame="box")], 1.5)
+    place, axis = palm(sim)
+    np.testing.assert_allclose(place, X_WB @ before, atol=0.005)
+    assert degrees_between(axis, X_WB.rotation().matrix()[:, 0]) < 1.0
+    with pytest.raises(InvalidMessageError, match="there is no frame 'bocks'"):
+        work.move([HandGoal("l_hand", before, frame="bocks")], 1.0)
+
+
+def test_a_goal_in_the_world_is_turned_as_its_frame_is():
+    X_WF = RigidTransform(RotationMatrix.MakeYRotation(0.5), [1.0, 2.0, 3.0])
+    wxyz = RotationMatrix.MakeXRotation(0.3).ToQuaternion().wxyz()
+    force = [0.0, 0.0, 10.0]
+    goal = HandGoal("l_hand", [0.1, 0.0, 0.0], None, force, "box", wxyz)
+    seen = goal.in_world(X_WF)
+    assert seen.frame == "world"
+    np.testing.assert_allclose(seen.force, X_WF.rotation() @ force)
+    there = X_WF.rotation() @ goal.rotation
+    np.testing.assert_allclose(there.matrix(), seen.rotation.matrix(), atol=1e-12)
 
 
 @pytest.mark.slow
