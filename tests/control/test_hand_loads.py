@@ -1,11 +1,13 @@
 """What the hands carry: estimated, counted, and part of the model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import SpatialInertia
 
-from atlas_drake import AtlasSimulation, HandGoal, HandMotion, Scenario
+from atlas_drake import AtlasSimulation, HandGoal, HandMotion, Scenario, reach
 from atlas_drake.control.whole_body.hand_loads import HandLoads
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.units import GRAVITY
@@ -146,8 +148,14 @@ def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
 def test_a_hand_on_the_own_hip_is_no_pull():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
-    hip = HandGoal("l_hand", [0.0, 0.24, 0.0], frame="pelvis")
-    hands.aim(sim.time, sim.output("state"), [hip], 1.0)
+    state, hip = (
+        sim.output("state"),
+        HandGoal("l_hand", [0.0, 0.24, 0.0], frame="pelvis"),
+    )
+    # The arm keeps clear of the hip; a force presses the hand onto it.
+    beside = reach(sim.robot, state, [hip]).positions[0]
+    inward = [0.0, -100.0, 0.0]
+    hands.aim(sim.time, state, [replace(hip, position=beside, force=inward)], 1.0)
     hand, touched = sim.plant.GetBodyByName("l_hand").index(), False
     while sim.time < 2.0:
         sim.publish(hands.command(sim.time, sim.output("state")))
