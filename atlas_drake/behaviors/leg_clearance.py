@@ -44,12 +44,12 @@ class LegClearance:
 
     def __init__(self, robot: Robot):
         shapes = shapes_of(robot)
-        self._plant, self._context = shapes.plant, shapes.context()
+        plant, inspector = shapes.plant, shapes.scene_graph.model_inspector()
+        self._plant, self._context = plant, shapes.context()
         self._robot = robot
         self._p_PM = pelvis_to_feet(robot)
         self._legs = [(leg, leg_solver(leg)) for leg in robot.legs]
-        plant, inspector = shapes.plant, shapes.scene_graph.model_inspector()
-        self._places = robot.indices(plant).q
+        self._places = robot.indices(robot.plant).q
         left, right = (
             [
                 shape
@@ -95,11 +95,10 @@ class LegClearance:
             if pose is None:  # Out of reach, which is not a matter of the shapes.
                 return np.inf
             q[leg.joints] = pose.angles
-        context = self._context
-        positions = self._plant.GetPositions(context)
+        positions = self._plant.GetPositions(self._context)
         positions[self._places] = q
-        self._plant.SetPositions(context, positions)
-        query = self._plant.get_geometry_query_input_port().Eval(context)
+        self._plant.SetPositions(self._context, positions)
+        query = self._plant.get_geometry_query_input_port().Eval(self._context)
         return min(
             (
                 query.ComputeSignedDistancePairClosestPoints(*pair).distance

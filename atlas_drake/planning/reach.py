@@ -16,7 +16,6 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
 from pydrake.solvers import SnoptSolver, SolverOptions
 from pydrake.systems.framework import Context
@@ -25,7 +24,7 @@ from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import check_vector
 from atlas_drake.robot import Robot
-from atlas_drake.robot.shapes import NEAR, shapes_of
+from atlas_drake.robot.shapes import CLEAR, shapes_of
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
@@ -175,11 +174,8 @@ def reach(
     Raises:
         InvalidMessageError: If the robot has no such hand, or one has two goals.
     """
-    shapes, limbs = shapes_of(robot), arms_of(robot, goals)
-    plant, context = shapes.plant, shapes.context_for(limbs)
-    indices, q = robot.indices(plant), positions_at(robot, state)
-    plant.SetPositions(context, q)
-    moving = indices.q[limbs]
+    limbs, indices = arms_of(robot, goals), robot.indices(robot.plant)
+    q, moving = positions_at(robot, state), indices.q[limbs]
     if near is not None:
         q[moving] = near[limbs]
     fixed = np.setdiff1d(np.arange(len(q)), moving)
@@ -187,15 +183,13 @@ def reach(
     q[moving] = np.clip(q[moving], lowest, highest)
     lower = np.maximum(lowest, q[moving] - within)
     upper = np.minimum(highest, q[moving] + within)
-    # The other joints are where they are, and may be beyond their limits.
-    kinematics = InverseKinematics(plant, context, with_joint_limits=False)
+    kinematics = kinematics_of(robot, state, limbs)
     program, variables = kinematics.prog(), kinematics.q()
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
     posture = POSTURE * np.eye(len(moving))
     program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
-    add_costs(kinematics, plant, robot, goals)
-    stay_clear(kinematics)
+    add_costs(kinematics, robot, goals)
     # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
     if math.isinf(within):
@@ -247,34 +241,41 @@ def context_of(
     return context
 
 
-def stay_clear(kinematics: InverseKinematics) -> None:
-    """Keeps the links that the Context of ``kinematics`` watches apart.
+def kinematics_of(
+    robot: Robot, state: np.ndarray, moving: np.ndarray
+) -> InverseKinematics:
+    """Begins a search for a pose, whose moving links keep clear of all others.
 
     Args:
-        kinematics: Of a plant with shapes.
+        robot: The robot.
+        state: Positions of the robot, in the order of its plant, velocities may follow.
+        moving: Which joints move, bool, shape (n,), message order.
     """
-    kinematics.AddMinimumDistanceLowerBoundConstraint(NEAR, _WATCHED - NEAR)
+    shapes = shapes_of(robot)
+    context = shapes.context_for(moving)
+    shapes.plant.SetPositions(context, positions_at(robot, state))
+    # The joints that do not move are where they are, perhaps beyond their limits.
+    kinematics = InverseKinematics(shapes.plant, context, with_joint_limits=False)
+    kinematics.AddMinimumDistanceLowerBoundConstraint(CLEAR, _WATCHED - CLEAR)
+    return kinematics
 
 
 def add_costs(
-    kinematics: InverseKinematics,
-    plant: MultibodyPlant,
-    robot: Robot,
-    goals: Sequence[HandGoal],
+    kinematics: InverseKinematics, robot: Robot, goals: Sequence[HandGoal]
 ) -> None:
     """Adds what it costs that hands are not where they are wanted.
 
     Args:
-        kinematics: Of ``plant``.
-        plant: A plant of the robot.
+        kinematics: Of the robot's shapes.
         robot: The robot.
         goals: At most one for each hand.
 
     Raises:
         InvalidMessageError: If a hand has to point somewhere whose palm is not known.
     """
+    named = shapes_of(robot).plant.GetFrameByName
     for goal in goals:
-        frame, hand = frame_of(robot, goal, plant), plant.GetFrameByName(goal.hand)
+        frame, hand = named(frame_of(robot, goal).name()), named(goal.hand)
         palm = palm_of(robot, goal)
         kinematics.AddPositionCost(
             frame, goal.position, hand, palm, _NEARNESS * np.eye(3)
@@ -384,20 +385,17 @@ def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:
     return np.array(robot.palms[goal.hand] if goal.palm is None else goal.palm)
 
 
-def frame_of(
-    robot: Robot, goal: HandGoal, plant: MultibodyPlant | None = None
-) -> Frame:
-    """Returns the frame in which a goal is given.
+def frame_of(robot: Robot, goal: HandGoal) -> Frame:
+    """Returns the frame in which a goal is given, of the robot's own plant.
 
     Args:
         robot: The robot.
         goal: The goal.
-        plant: A plant of the robot; None for its own.
 
     Raises:
         InvalidMessageError: If the robot has no such body.
     """
-    plant, name = plant or robot.plant, robot.pushed_link(goal.frame)
+    plant, name = robot.plant, robot.pushed_link(goal.frame)
     if not plant.HasFrameNamed(name):
         own = plant.GetBodyIndices(robot.instance(plant))
         bodies = [plant.get_body(index).name() for index in own]

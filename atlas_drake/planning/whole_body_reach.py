@@ -16,7 +16,6 @@ from pydrake.common.eigen_geometry import Quaternion_
 from pydrake.math import RollPitchYaw_, RotationMatrix, RotationMatrix_
 from pydrake.multibody.inverse_kinematics import (
     ComPositionConstraint,
-    InverseKinematics,
 )
 from pydrake.solvers import SnoptSolver
 
@@ -29,9 +28,8 @@ from atlas_drake.planning.reach import (
     add_costs,
     arms_of,
     context_of,
-    positions_at,
+    kinematics_of,
     positions_of,
-    stay_clear,
 )
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import shapes_of
@@ -84,11 +82,9 @@ def whole_body_reach(
             pose is found.
     """
     moves = arms_of(robot, goals) | robot.limb("l_leg", "r_leg")
-    shapes = shapes_of(robot)
-    plant, context = shapes.plant, shapes.context_for(moves)
-    indices, q = robot.indices(plant), positions_at(robot, state)
-    plant.SetPositions(context, q)
-    kinematics = InverseKinematics(plant, context, with_joint_limits=False)
+    kinematics = kinematics_of(robot, state, moves)
+    plant, context = shapes_of(robot).plant, kinematics.context()
+    q, indices = plant.GetPositions(context), robot.indices(robot.plant)
     program, variables = kinematics.prog(), kinematics.q()
     world, pelvis = plant.world_frame(), plant.GetFrameByName(robot.file.pelvis)
 
@@ -135,8 +131,7 @@ def whole_body_reach(
     program.AddQuadraticErrorCost(
         _RAISED * np.eye(1), q[indices.pelvis.position][2:], height
     )
-    add_costs(kinematics, plant, robot, goals)
-    stay_clear(kinematics)
+    add_costs(kinematics, robot, goals)
 
     program.SetInitialGuess(variables, q)
     program.SetInitialGuess(com, plant.CalcCenterOfMassPositionInWorld(context))

@@ -15,11 +15,10 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from atlas_drake.robot.robot import Robot
-from atlas_drake.units import Meters
 
-NEAR: Meters = 0.01
-"""Distance up to which two links in the stand-prep pose count as neighbors, such as a
-shoulder and the trunk [m]."""
+CLEAR = 0.01
+"""Distance that links keep from each other [m]. Two that are nearer in the stand-prep
+pose, such as a shoulder and the trunk, are neighbors and may touch."""
 
 
 @functools.lru_cache(maxsize=8)
@@ -32,7 +31,7 @@ class Shapes:
     """A robot alone, with its shapes. Holds no state.
 
     Attributes:
-        plant: The plant of the robot.
+        plant: The plant of the robot, with the positions of ``robot.plant``.
         scene_graph: Its shapes.
     """
 
@@ -64,8 +63,7 @@ class Shapes:
             self.scene_graph.GetMyMutableContextFromRoot(root)
         )
         plant, robot = self.plant, self._robot
-        links = robot.moved_links
-        own = {link for joint in np.flatnonzero(moving) for link in links[joint]}
+        own = {link for i in np.flatnonzero(moving) for link in robot.moved_links[i]}
         bodies = map(plant.get_body, plant.GetBodyIndices(robot.instance(plant)))
         rest = [body for body in bodies if body.name() not in own]
         still = GeometrySet(
@@ -79,10 +77,9 @@ class Shapes:
 
     @functools.cached_property
     def _neighbors(self) -> list[tuple[GeometryId, GeometryId]]:
-        context, indices = self.context(), self._robot.indices(self.plant)
-        q = self.plant.GetPositions(context)
-        q[indices.q] = self._robot.stand_prep
-        self.plant.SetPositions(context, q)
+        context, robot = self.context(), self._robot
+        standing = robot.plant.GetPositions(robot.standing_context())
+        self.plant.SetPositions(context, standing)
         query = self.plant.get_geometry_query_input_port().Eval(context)
-        near = query.ComputeSignedDistancePairwiseClosestPoints(NEAR)
+        near = query.ComputeSignedDistancePairwiseClosestPoints(CLEAR)
         return [(pair.id_A, pair.id_B) for pair in near]

@@ -144,7 +144,7 @@ def test_a_foot_does_not_wait_with_a_straight_leg(waiting, robot):
 def has_lost_dcm(record):
     """Whether the DCM is farther outside the support than its plan, by a margin."""
     balance = record.balance
-    support = SupportPolygon(balance.support[~np.isnan(balance.support[:, 0])])
+    support = SupportPolygon(balance.support)
     outside = support.distance_outside(balance.dcm)
     planned = support.distance_outside(balance.dcm_reference)
     return outside - max(planned, 0.0) > RULES.dcm_lost

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from atlas_drake import HandGoal, InvalidMessageError, reach
-from atlas_drake.planning.reach import positions_at
+from atlas_drake.planning.reach import context_of
 from atlas_drake.robot import load_robot
-from atlas_drake.robot.shapes import NEAR, shapes_of
+from atlas_drake.robot.shapes import CLEAR, shapes_of
 
 
 @pytest.fixture(scope="module")
@@ -21,10 +21,7 @@ def state(robot):
 
 def palm(robot, state, joints):
     """Returns place and axis of the left palm in W."""
-    q = state.copy()
-    q[robot.indices(robot.plant).q] = joints
-    context = robot.plant.CreateDefaultContext()
-    robot.plant.SetPositions(context, q)
+    context = context_of(robot, state, joints)
     X_WH = robot.plant.GetFrameByName("l_hand").CalcPoseInWorld(context)
     return X_WH @ np.array(robot.palms["l_hand"]), X_WH.rotation().matrix()[:, 1]
 
@@ -47,10 +44,7 @@ def test_a_hand_takes_a_pose_that_it_can_have(robot, state):
     joints = state[robot.indices(robot.plant).q].copy()
     arm = robot.limb("l_arm")
     joints[arm] = 0.7 * robot.stand_prep[arm] + 0.3 * robot.position_lower[arm]
-    q = state.copy()
-    q[robot.indices(robot.plant).q] = joints
-    context = robot.plant.CreateDefaultContext()
-    robot.plant.SetPositions(context, q)
+    context = context_of(robot, state, joints)
     hand = robot.plant.GetFrameByName("l_hand")
     X_WG = hand.CalcPoseInWorld(context)
     wxyz = X_WG.rotation().ToQuaternion().wxyz()
@@ -60,9 +54,7 @@ def test_a_hand_takes_a_pose_that_it_can_have(robot, state):
         [HandGoal("l_hand", X_WG @ robot.palms["l_hand"], orientation=wxyz)],
     )
     found.check()
-    q[robot.indices(robot.plant).q] = found.joints
-    robot.plant.SetPositions(context, q)
-    X_WH = hand.CalcPoseInWorld(context)
+    X_WH = hand.CalcPoseInWorld(context_of(robot, state, found.joints))
     off = (X_WG.rotation().inverse() @ X_WH.rotation()).ToAngleAxis().angle()
     assert abs(off) < np.radians(1.0)
 
@@ -87,14 +79,12 @@ def test_no_arm_is_within_the_body(robot, state, place):
     """Most of these places are reached only through the chest, or around it."""
     found = reach(robot, state, [HandGoal("l_hand", place)])
     shapes, arm = shapes_of(robot), robot.limb("l_arm")
-    context = shapes.context_for(arm)
-    q = positions_at(robot, state)
-    q[robot.indices(shapes.plant).q] = found.joints
-    shapes.plant.SetPositions(context, q)
+    context, posed = shapes.context_for(arm), context_of(robot, state, found.joints)
+    shapes.plant.SetPositions(context, robot.plant.GetPositions(posed))
     query = shapes.plant.get_geometry_query_input_port().Eval(context)
     near = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
     assert near
-    assert min(pair.distance for pair in near) > 0.9 * NEAR
+    assert min(pair.distance for pair in near) > 0.9 * CLEAR
 
 
 def test_a_place_that_only_the_chest_hides_is_refused(robot, state):

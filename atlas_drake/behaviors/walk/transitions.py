@@ -83,17 +83,17 @@ def lift_off(phase: Transfer, tick: WalkTick) -> tuple[Swing | Settle, Events]:
     The feet are measured again: since touchdown the load has turned the soles flat. A
     foot on its toes is known from when it was flat.
     """
-    late = max(phase.elapsed - phase.duration, 0.0)
+    # The delay of lift-off shortens the swing, by one tick at most.
+    late = min(max(phase.elapsed - phase.duration, 0.0), tick.dt)
     feet, pitch, toeing = tick.observation.foot_poses, FLAT, phase.on_toes
     if toeing is not None:
         feet = with_foot(feet, toeing, phase.progress.feet[toeing])
-        pitch = phase.leaving_pitch(phase.elapsed - min(late, tick.dt))
+        pitch = phase.leaving_pitch(phase.elapsed - late)
     time = tick.observation.time
     progress, news = with_warnings(replace(phase.progress, feet=feet), time)
     if not progress.coming:
         return make_settle(progress, phase.planned.cop, tick), news
-    # Shorten the swing by the delay of lift-off, at most by one tick.
-    swing = make_swing(progress, tick, min(late, tick.dt), pitch)
+    swing = make_swing(progress, tick, late, pitch)
     stance = 1 - swing.step.foot
     share = tick.balance.carrying_share(feet[stance])
     return swing, (*news, *partial_event(time, progress.last_index, stance, share))
