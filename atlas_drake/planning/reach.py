@@ -16,18 +16,20 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
-from pydrake.multibody.tree import Frame
+from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.solvers import SnoptSolver, SolverOptions
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.feet.curves import quintic_progress
 from atlas_drake.errors import InvalidMessageError, did_you_mean
-from atlas_drake.messages.checks import check_vector
+from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
+SOFTEST, STIFFEST = 1.0, 1e5
+"""Range of the stiffness of a palm's hold [N/m]."""
 _NEARNESS, _ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
@@ -60,6 +62,8 @@ class HandGoal:
             [w, x, y, z], in place of a direction; None leaves it open.
         palm: Another point than the robot's palm, in the body's frame [m], shape (3,).
             The hand points from the body's origin there.
+        stiffness: Of the palm's hold in its softest direction, from ``SOFTEST`` [N/m];
+            None for as stiff as the arm can.
     """
 
     hand: str
@@ -69,9 +73,12 @@ class HandGoal:
     frame: str = "world"
     orientation: Sequence[float] | None = None
     palm: Sequence[float] | None = None
+    stiffness: float | None = None
 
     def __post_init__(self) -> None:
-        """Checks the vectors: Drake would end the process at NaN."""
+        """Checks the numbers: Drake would end the process at NaN."""
+        if self.stiffness is not None:
+            check_number(self.stiffness, "stiffness", SOFTEST, STIFFEST)
         for name in ("position", "direction", "force", "orientation", "palm"):
             value = getattr(self, name)
             if value is None:
@@ -383,6 +390,41 @@ def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:
         goal: The goal, of one of the robot's hands.
     """
     return np.array(robot.palms[goal.hand] if goal.palm is None else goal.palm)
+
+
+def palm_jacobian(robot: Robot, context: Context, goal: HandGoal) -> np.ndarray:
+    """Computes J of a palm's velocity in W, shape (3, number of velocities).
+
+    Args:
+        robot: The robot.
+        context: Of the robot's own plant.
+        goal: The goal, of one of the robot's hands.
+    """
+    plant, world = robot.plant, robot.plant.world_frame()
+    hand, palm = plant.GetFrameByName(goal.hand), palm_of(robot, goal)
+    J: np.ndarray = plant.CalcJacobianTranslationalVelocity(
+        context, JacobianWrtVariable.kV, hand, palm, world, world
+    )
+    return J
+
+
+def palm_stiffness(
+    robot: Robot, context: Context, goal: HandGoal, kp: np.ndarray
+) -> float:
+    """Computes how stiffly joints hold a palm in its softest direction [N/m].
+
+    A force F moves the palm by J K⁻¹ Jᵀ F: J. K. Salisbury, "Active stiffness control
+    of a manipulator in Cartesian coordinates", CDC 1980.
+
+    Args:
+        robot: The robot.
+        context: Of the robot's own plant.
+        goal: The goal, of one of the robot's hands.
+        kp: Stiffness of the joints [N·m/rad], shape (n,), message order.
+    """
+    arm = arms_of(robot, [goal])
+    J = palm_jacobian(robot, context, goal)[:, robot.indices(robot.plant).v[arm]]
+    return float(1.0 / np.linalg.eigvalsh((J / kp[arm]) @ J.T).max())
 
 
 def frame_of(robot: Robot, goal: HandGoal) -> Frame:

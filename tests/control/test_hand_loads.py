@@ -78,7 +78,7 @@ def test_a_robot_that_presses_against_a_wall_stays_upright():
     """The wall's force is part of the model: the CoP moves, the robot does not."""
     wall = {"size": [0.1, 1.0, 2.0], "position": [0.57, 0.0, 2.0]}
     sim, height = AtlasSimulation(Scenario(terrain=[wall])), 1.05
-    hands = HandMotion(sim.robot, stiffness=200.0, damping=20.0)
+    hands = HandMotion(sim.robot)
 
     def press(ahead, force, seconds):
         goals = [
@@ -87,6 +87,7 @@ def test_a_robot_that_presses_against_a_wall_stays_upright():
                 [ahead, side * 0.25, height],
                 [1.0, 0.0, 0.0],
                 [force, 0.0, 0.0],
+                stiffness=400.0,
             )
             for hand, side in (("l_hand", 1.0), ("r_hand", -1.0))
         ]

@@ -23,16 +23,19 @@ from atlas_drake.planning.reach import (
     context_of,
     frame_of,
     goal_between,
+    palm_jacobian,
     palm_of,
+    palm_stiffness,
     reach,
 )
 from atlas_drake.robot import TRUNK, Robot
 from atlas_drake.units import GRAVITY
 
 STIFFNESS, DAMPING = 1000.0, 50.0
-"""Default ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
+"""Largest ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
 FULL_EFFORT_AT = 0.05
-"""Least error of a joint at which it exerts all of its effort [rad]."""
+"""Least error of a joint at which it exerts all of its effort [rad]: weak joints get
+smaller gains."""
 LONGEST = 600.0
 """Longest duration of a motion [s]."""
 
@@ -50,16 +53,12 @@ class HandMotion:
     FASTEST = 3.0
     """Largest speed of a set-point [rad/s]."""
 
-    def __init__(
-        self, robot: Robot, stiffness: float = STIFFNESS, damping: float = DAMPING
-    ) -> None:
-        """Moves the hands of a robot, held with these gains [N·m/rad, N·m·s/rad].
-
-        Weak joints get smaller ones.
-        """
+    def __init__(self, robot: Robot) -> None:
+        """Moves the hands of a robot, held as stiffly as the goals ask for."""
         self._robot = robot
-        self._stiffness = np.minimum(stiffness, robot.effort_limit / FULL_EFFORT_AT)
-        self._damping = damping * self._stiffness / stiffness
+        self._stiffest = np.minimum(STIFFNESS, robot.effort_limit / FULL_EFFORT_AT)
+        # Of these gains, the joints' shares now, and as the motion began.
+        self._share = self._share_from = np.ones(robot.num_joints)
         self._from: tuple[HandGoal, ...] = ()
         self._to: tuple[HandGoal, ...] = ()
         self._begin = self._duration = 0.0
@@ -96,6 +95,7 @@ class HandMotion:
         self._from = tuple(self._start(context, goal, going) for goal in goals)
         self._to = tuple(goals)
         self._begin, self._duration = time, duration
+        self._share_from = self._share
         return there
 
     def is_there(self, time: float) -> bool:
@@ -134,6 +134,9 @@ class HandMotion:
         joints = reach(self._robot, self._soon(state), goals, last, within).joints
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
+        self._share = self._share_of_stiffness(time, state, joints, goals)
+        # The same share of the critical damping.
+        damping = DAMPING / STIFFNESS * self._stiffest * np.sqrt(self._share)
         mine = arms_of(self._robot, goals)
         kept = {"position": joints} if others is None else vars(others)
 
@@ -144,17 +147,37 @@ class HandMotion:
             position=beside_kept("position", joints),
             velocity=beside_kept("velocity", speed),
             effort=beside_kept("effort", self._effort(state, joints, goals)),
-            kp_position=beside_kept("kp_position", self._stiffness),
-            kp_velocity=beside_kept("kp_velocity", self._damping),
+            kp_position=beside_kept("kp_position", self._share * self._stiffest),
+            kp_velocity=beside_kept("kp_velocity", damping),
             k_effort=beside_kept("k_effort", K_EFFORT_MAX),
         )
 
+    def _passed(self, time: float) -> float:
+        """Returns the share of the motion's time that has passed."""
+        passed = (time - self._begin) / max(self._duration, self.PERIOD)
+        return min(max(passed, 0.0), 1.0)
+
     def _now(self, time: float) -> tuple[HandGoal, ...]:
         """Returns the goals on the way at a time."""
-        passed = (time - self._begin) / max(self._duration, self.PERIOD)
-        share = min(max(passed, 0.0), 1.0)
-        ends = zip(self._from, self._to, strict=True)
-        return tuple(goal_between(start, end, share) for start, end in ends)
+        passed, ends = self._passed(time), zip(self._from, self._to, strict=True)
+        return tuple(goal_between(start, end, passed) for start, end in ends)
+
+    def _share_of_stiffness(
+        self,
+        time: float,
+        state: np.ndarray,
+        joints: np.ndarray,
+        goals: Sequence[HandGoal],
+    ) -> np.ndarray:
+        """Computes with which share of the stiffest gains joints are held, (n,)."""
+        robot, share = self._robot, np.ones(self._robot.num_joints)
+        context = context_of(robot, state, joints)
+        for goal in goals:
+            if goal.stiffness is not None:
+                most = palm_stiffness(robot, context, goal, self._stiffest)
+                share[arms_of(robot, [goal])] = min(goal.stiffness / most, 1.0)
+        passed = self._passed(time)
+        return (1.0 - passed) * self._share_from + passed * share
 
     def _start(
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
@@ -201,16 +224,12 @@ class HandMotion:
         """Computes the efforts that hold the arms and exert the goals' forces."""
         plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
         context, world = context_of(self._robot, state, joints), plant.world_frame()
-        mode = JacobianWrtVariable.kV
         com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
-            context, mode, world, world
+            context, JacobianWrtVariable.kV, world, world
         )
         effort = GRAVITY * self._robot.mass * com[2]
         for goal in goals:
-            hand = plant.GetFrameByName(goal.hand)
-            J = plant.CalcJacobianTranslationalVelocity(
-                context, mode, hand, palm_of(self._robot, goal), world, world
-            )
+            J = palm_jacobian(self._robot, context, goal)
             X_WF = frame_of(self._robot, goal).CalcPoseInWorld(context)
             effort = effort + J.T @ (X_WF.rotation() @ np.array(goal.force))
         return np.asarray(effort[indices.v])

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.clients.steering.hand_motion import DAMPING, STIFFNESS, HandMotion
+from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.clients.steering.step_stream import StepStream
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import (
@@ -37,21 +37,9 @@ class HandWork:
     SETTLING = 0.3
     """Time that hands are given at the end of a motion [s]."""
 
-    def __init__(
-        self,
-        sim: AtlasSimulation,
-        stiffness: float = STIFFNESS,
-        damping: float = DAMPING,
-    ) -> None:
-        """Works with the hands of a simulation, as ``HandMotion`` holds them.
-
-        Args:
-            sim: The simulation.
-            stiffness: Of the arms' joints [N·m/rad].
-            damping: Of the arms' joints [N·m·s/rad].
-        """
-        self._sim = sim
-        self._hands = HandMotion(sim.robot, stiffness, damping)
+    def __init__(self, sim: AtlasSimulation) -> None:
+        """Works with the hands of a simulation."""
+        self._sim, self._hands = sim, HandMotion(sim.robot)
         self._busy = False
 
     def bend(self, goals: Sequence[HandGoal], patience: float = 10.0) -> None:

@@ -57,6 +57,43 @@ def test_a_hand_gets_there_on_a_line_and_does_not_sag(load):
     assert not sim.has_fallen
 
 
+@pytest.mark.slow
+def test_a_palm_gives_way_as_softly_as_it_was_told():
+    """In its softest direction, which is some direction in space, by force over K."""
+    sim, stiffness, force = AtlasSimulation(), 400.0, 8.0
+    hands = HandMotion(sim.robot)
+    # A push is at the hand's origin.
+    soft = HandGoal("l_hand", PLACE, palm=[0.0, 1e-3, 0.0], stiffness=stiffness)
+    hands.aim(sim.time, sim.output("state"), [soft], 1.0)
+    *_, before = hold(sim, hands, 2.0)
+    moved = []
+    for axis in np.eye(3):
+        sim.apply_push("l_hand", force * axis, 1.0)
+        *_, pushed = hold(sim, hands, 1.0)
+        *_, after = hold(sim, hands, 1.0)
+        np.testing.assert_allclose(after, before, atol=1e-3)
+        moved.append((pushed - before) / force)
+    compliance = np.array(moved)
+    softest = np.linalg.eigvalsh(compliance + compliance.T).max() / 2.0
+    assert softest == pytest.approx(1.0 / stiffness, rel=0.1)
+
+
+def test_stiffness_changes_without_a_jump_and_has_its_range():
+    sim = AtlasSimulation()
+    hands, arm = HandMotion(sim.robot), sim.robot.limb("l_arm")
+    gains = []
+    for stiffness in (None, 300.0, None):
+        there = HandGoal("l_hand", PLACE, stiffness=stiffness)
+        hands.aim(sim.time, sim.output("state"), [there], 0.5)
+        for _ in hold(sim, hands, 0.6):
+            gains.append(np.array(sim.atlas_state.kp_position)[arm][0])
+    assert np.abs(np.diff(gains[1:])).max() < 0.15 * max(gains)
+    assert min(gains) < 0.5 * gains[-1]
+    for wrong in (0.0, -5.0, float("nan"), "soft", 1e9):
+        with pytest.raises(InvalidMessageError, match="stiffness"):
+            HandGoal("l_hand", PLACE, stiffness=wrong)
+
+
 def test_a_hand_that_is_carried_stays_at_the_chest():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
