@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import Context
 
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.frozen import replace
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.worlds.models import set_velocities
+from atlas_drake.worlds.models import ModelDraw, begin_models, scale_mass
 from atlas_drake.worlds.scenery import set_ground_friction
 from atlas_drake.worlds.world import put_world_back
 
@@ -41,6 +40,7 @@ class Variation:
         joints: Joint positions [rad], shape (n,).
         mass_factor: Factor of the mass of each body, by name [-].
         ground_friction: Coefficient of friction of the ground [-].
+        models: What varies of the models of the world, in their order.
     """
 
     position: np.ndarray
@@ -48,6 +48,7 @@ class Variation:
     joints: np.ndarray
     mass_factor: dict[str, float]
     ground_friction: float
+    models: tuple[ModelDraw, ...]
 
 
 def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
@@ -72,6 +73,7 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
             for name in robot.body_names
         },
         ground_friction=friction,
+        models=tuple(model.draw(random) for model in scenario.all_models()),
     )
 
 
@@ -85,16 +87,7 @@ def scale_masses(
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:
             continue
-        body = plant.GetBodyByName(name, robot.instance(plant))
-        inertia = body.default_spatial_inertia()
-        body.SetSpatialInertiaInBodyFrame(
-            context,
-            SpatialInertia(
-                inertia.get_mass() * factor,
-                inertia.get_com(),
-                inertia.get_unit_inertia(),
-            ),
-        )
+        scale_mass(plant.GetBodyByName(name, robot.instance(plant)), context, factor)
 
 
 def moved(variation: Variation, pose: Pose | None) -> Variation:
@@ -123,16 +116,12 @@ def begin(sim: AtlasSimulation, scenario: Scenario, variation: Variation) -> Non
     scene_graph, of_scene = sim.part("scene_graph")
     terrain, friction = scenario.all_terrain(), variation.ground_friction
     set_ground_friction(plant, scene_graph, of_scene, terrain, friction)
-    set_velocities(scenario.all_models(), plant, of_plant)
     place(sim, context, scenario, variation, scenario.start)
     hold(sim, scenario.start)
 
 
 def put_back(sim: AtlasSimulation, variation: Variation, start: Start) -> None:
     """Puts robot and world back; time goes on."""
-    plant, of_plant = sim.part("plant")
-    put_world_back(plant, of_plant, sim.robot)
-    set_velocities(sim.scenario.all_models(), plant, of_plant)
     place(sim, sim.context, sim.scenario, variation, start)
     hold(sim, start)
 
@@ -144,10 +133,13 @@ def place(
     variation: Variation,
     start: Start,
 ) -> None:
-    """Puts the robot where it begins, in a context of the diagram."""
+    """Puts robot and world where they begin, in a context of the diagram."""
+    context = sim.plant.GetMyMutableContextFromRoot(root)
+    put_world_back(sim.plant, context, sim.robot)
+    begin_models(scenario.all_models(), variation.models, sim.plant, context)
     place_robot(
         sim.plant,
-        sim.plant.GetMyMutableContextFromRoot(root),
+        context,
         sim.robot,
         position=variation.position,
         rpy=variation.rpy,

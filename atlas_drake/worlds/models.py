@@ -7,24 +7,32 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
-from annotated_types import Len, Unit
+import numpy as np
+from annotated_types import Interval, Len, Unit
 from pydantic import PlainValidator
 from pydrake.common.schema import Transform
 from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load_typed
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
 from pydrake.systems.framework import Context
 
 from atlas_drake.atomic_write import why_not_readable
-from atlas_drake.config import Configuration, as_plain, joined, read_yaml
+from atlas_drake.config import (
+    Configuration,
+    NotNegative,
+    as_plain,
+    joined,
+    read_yaml,
+)
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
+from atlas_drake.units import Meters, Radians, Ratio
 from atlas_drake.worlds.world import WorldMaker
 
 
@@ -52,6 +60,33 @@ Pose = Annotated[Transform, PlainValidator(_pose)]
 
 
 @dataclass(frozen=True)
+class ModelJitter(Configuration):
+    """Random variations of a free model at the start, drawn from the scenario's seed.
+
+    Every value is the half width of a uniform distribution; 0 is no variation.
+    """
+
+    position: NotNegative[Meters] = 0.0
+    """Position of the base body along x and y of W."""
+    yaw: NotNegative[Radians] = 0.0
+    """Turn of the base body about the vertical."""
+    mass: Annotated[Ratio, Interval(ge=0.0, lt=1.0)] = 0.0
+    """Mass and inertia of the base body, as a share; below 1."""
+
+
+class ModelDraw(NamedTuple):
+    """What a run draws for one model."""
+
+    x: float
+    """Position of the base body beside its usual one, in W [m]."""
+    y: float
+    yaw: float
+    """Turn of it [rad]."""
+    mass_factor: float
+    """Factor of its mass [-]."""
+
+
+@dataclass(frozen=True)
 class Model(Configuration):
     """One file of models, such as a table, a ball or a ramp."""
 
@@ -68,6 +103,8 @@ class Model(Configuration):
     """Velocity of the base body at the start, rotation first; null for at rest."""
     weld: bool = False
     """True to fix the base body in W, at X_WB or at W's origin."""
+    jitter: ModelJitter = field(default_factory=ModelJitter)
+    """Random variations at the start, so that every seed has another place or mass."""
 
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Adds the models of the file to a plant that is not finalized yet.
@@ -86,10 +123,10 @@ class Model(Configuration):
         except RuntimeError as error:
             raise refusal("file", f"cannot be read: {error}") from None
         if len(instances) != 1:
-            for field in ("name", "X_WB", "V_WB", "weld"):
-                if getattr(self, field):
+            for given in ("name", "X_WB", "V_WB", "weld", "jitter"):
+                if self._gives(given):
                     count = len(instances)
-                    raise refusal(field, f"is not for a file of {count} models")
+                    raise refusal(given, f"is not for a file of {count} models")
             return
         try:
             plant.RenameModelInstance(instances[0], name)
@@ -118,16 +155,33 @@ class Model(Configuration):
             raise ScenarioError(
                 "X_WB", X_WB, "must be one pose in W: no distribution, no frame"
             )
-        if self.V_WB is not None and self.weld:
-            raise ScenarioError("V_WB", self.V_WB, "is not for a welded model")
+        for name in ("V_WB", "jitter"):
+            if self.weld and self._gives(name):
+                problem = "is not for a welded model"
+                raise ScenarioError(name, getattr(self, name), problem)
         plant = MultibodyPlant(time_step=0.001)
         self.add_to(plant, "model", "")
         plant.Finalize()
-        if self.V_WB is not None and not plant.HasUniqueFloatingBaseBody(
-            plant.GetModelInstanceByName("model")
-        ):
-            problem = "needs a model with one base body that is free"
-            raise ScenarioError("V_WB", self.V_WB, problem)
+        for name in ("V_WB", "jitter"):
+            if self._gives(name) and not plant.HasUniqueFloatingBaseBody(
+                plant.GetModelInstanceByName("model")
+            ):
+                problem = "needs a model with one base body that is free"
+                raise ScenarioError(name, getattr(self, name), problem)
+
+    def draw(self, random: np.random.Generator) -> ModelDraw:
+        """Draws what a run varies."""
+        jitter = self.jitter
+        half = [jitter.position, jitter.position, jitter.yaw, jitter.mass]
+        x, y, yaw, mass = random.uniform(np.negative(half), half).tolist()
+        return ModelDraw(x, y, yaw, 1.0 + mass)
+
+    def _gives(self, name: str) -> bool:
+        """Returns True if a field has another value than one that is left out."""
+        return bool(getattr(self, name) != getattr(_LEFT_OUT, name))
+
+
+_LEFT_OUT = Model()
 
 
 def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> RigidBody:
@@ -153,16 +207,37 @@ def world_of(models: Sequence[Model]) -> list[WorldMaker]:
     ]
 
 
-def set_velocities(
-    models: Sequence[Model], plant: MultibodyPlant, context: Context
+def begin_models(
+    models: Sequence[Model],
+    draws: Sequence[ModelDraw],
+    plant: MultibodyPlant,
+    context: Context,
 ) -> None:
-    """Gives the models of a scenario their initial velocities in a plant's context."""
-    for model, name in zip(models, _names(models), strict=True):
+    """Varies the models of a scenario in a plant's context, and sets them going.
+
+    Each is in its default state before.
+    """
+    for model, draw, name in zip(models, draws, _names(models), strict=True):
+        if model.V_WB is None and model.jitter == ModelJitter():
+            continue
+        instance = plant.GetModelInstanceByName(name)
+        base = plant.GetUniqueFloatingBaseBodyOrThrow(instance)
+        X_WB = plant.GetFreeBodyPose(context, base)
+        place = X_WB.translation() + np.array([draw.x, draw.y, 0.0])
+        turned = RotationMatrix.MakeZRotation(draw.yaw) @ X_WB.rotation()
+        plant.SetFreeBodyPose(context, base, RigidTransform(turned, place))
+        scale_mass(base, context, draw.mass_factor)
         if model.V_WB is not None:
-            instance = plant.GetModelInstanceByName(name)
-            base = plant.GetUniqueFloatingBaseBodyOrThrow(instance)
             V_WB = SpatialVelocity(model.V_WB[:3], model.V_WB[3:])
             plant.SetFreeBodySpatialVelocity(context, base, V_WB)
+
+
+def scale_mass(body: RigidBody, context: Context, factor: float) -> None:
+    """Scales the default mass and inertia of a body in a context of its plant."""
+    inertia = body.default_spatial_inertia()
+    mass, unit = inertia.get_mass() * factor, inertia.get_unit_inertia()
+    scaled = SpatialInertia(mass, inertia.get_com(), unit)
+    body.SetSpatialInertiaInBodyFrame(context, scaled)
 
 
 def _names(models: Sequence[Model]) -> list[str]:

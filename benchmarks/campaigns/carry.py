@@ -1,4 +1,4 @@
-"""A crate carried from one table to another, as a trial: other masses, other places.
+"""A crate carried from one table to another, as a trial: other masses.
 
 The limits are in the files of campaigns that name this one.
 """
@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform
 from pydrake.multibody.tree import SpatialInertia
 
 from atlas_drake import AtlasSimulation
@@ -27,8 +26,7 @@ def carried(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
 
     Args:
         sim: A robot that stands before the world ``tables``.
-        parameters: ``mass`` of the crate [kg], and how far it lies ``ahead`` and to the
-            ``left`` of where the world has it [m].
+        parameters: ``mass`` of the crate [kg].
 
     Returns:
         Whether the robot ``stands``; how far the crate was ``lifted`` [m]; how far it
@@ -39,10 +37,6 @@ def carried(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     mass = float(parameters["mass"])
     inertia = SpatialInertia.SolidBoxWithMass(mass, *SIZE)
     crate.SetSpatialInertiaInBodyFrame(context, inertia)
-    aside = [float(parameters["ahead"]), float(parameters["left"]), 0.0]
-    X_WC = sim.frame_pose("crate")
-    place = X_WC.translation() + np.array(aside)
-    sim.plant.SetFreeBodyPose(context, crate, RigidTransform(X_WC.rotation(), place))
     lifted = EXAMPLE["carry"](sim, mass)
     X_WC = sim.frame_pose("crate")
     turned = yaw_of(X_WC.rotation().matrix()) - EXAMPLE["ROBOT"][2]

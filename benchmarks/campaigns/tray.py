@@ -1,4 +1,4 @@
-"""A tray with a glass carried for five meters, as a trial: other places."""
+"""A tray with a glass carried for five meters, as a trial."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation
 
@@ -20,19 +19,12 @@ def served(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any
 
     Args:
         sim: A robot that stands before the world ``tray``.
-        parameters: How far tray and glass are ``ahead`` and to the ``left`` of where
-            the world has them, and how far ``aside`` the glass stands on the tray [m].
+        parameters: None.
 
     Returns:
         Whether the robot ``stands``, how far the tray ``leaned`` [rad] at
         most, how far the glass ``slid`` on it [m] and has ``tipped`` or turned [rad].
     """
-    context = sim.part("plant")[1]
-    ahead, left = float(parameters["ahead"]), float(parameters["left"])
-    for name, more in (("tray", 0.0), ("glass", float(parameters["aside"]))):
-        place = sim.frame_pose(name).translation() + np.array([ahead + more, left, 0.0])
-        body = sim.plant.GetBodyByName(name)
-        sim.plant.SetFreeBodyPose(context, body, RigidTransform(place))
     start = sim.frame_pose("tray").InvertAndCompose(sim.frame_pose("glass"))
     leaned = EXAMPLE["serve"](sim)
     way = start.InvertAndCompose(

@@ -10,9 +10,17 @@ from pydrake.common.schema import Transform
 from pydrake.common.yaml import yaml_dump, yaml_load
 from pydrake.math import RigidTransform
 
-from atlas_drake import AtlasSimulation, Model, Scenario, ScenarioError, load_scenario
+from atlas_drake import (
+    AtlasSimulation,
+    Model,
+    Scenario,
+    ScenarioError,
+    Start,
+    load_scenario,
+)
 from atlas_drake.config import as_plain
 from atlas_drake.scenario import scenario_from
+from atlas_drake.worlds.world import WorldError
 
 EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"
 BALL = str(EXAMPLES / "world/ball.sdf")
@@ -116,6 +124,9 @@ def test_models_of_one_file_get_names_of_their_own(tmp_path):
         ({"file": BALL, "V_WB": [1, 2, 3]}, "V_WB", "at least 6"),
         ({"file": BALL, "V_WB": [0] * 6, "weld": True}, "V_WB", "welded"),
         ({"file": BALL, "weld": "yes"}, "weld", "boolean"),
+        ({"file": BALL, "weld": True, "jitter": {"yaw": 1}}, "jitter", "welded"),
+        ({"file": BALL, "jitter": {"mass": 1.0}}, "jitter.mass", "less than 1"),
+        ({"file": BALL, "jitter": {"yaw": -1.0}}, "jitter.yaw", "greater than"),
         ({"file": BALL, "wled": True}, "wled", "Did you mean 'weld'?"),
     ],
 )
@@ -140,3 +151,50 @@ def test_a_crate_that_nobody_touches_stays_where_it_is():
     before = sim.output("crate.state")
     sim.advance(2.0)
     np.testing.assert_allclose(sim.output("crate.state"), before, atol=1e-5)
+
+
+def test_every_seed_has_a_place_and_a_mass_of_its_own_within_the_jitter():
+    ball = {"file": BALL, "X_WB": {"translation": [2.0, 1.0, 0.8]}}
+    ball["jitter"] = {"position": 0.2, "yaw": 0.5, "mass": 0.3}
+    sim = AtlasSimulation(scenario_from({"models": [ball, ball]}))
+    body = sim.plant.GetBodyByName("ball", sim.plant.GetModelInstanceByName("ball"))
+    usual = body.default_spatial_inertia()
+
+    def drawn():
+        inertia = body.CalcSpatialInertiaInBodyFrame(sim.part("plant")[1])
+        assert inertia.get_unit_inertia().IsNearlyEqualTo(
+            usual.get_unit_inertia(), 1e-12
+        )
+        return *sim.output("ball.state")[:7], inertia.get_mass() / usual.get_mass()
+
+    first, other = drawn(), sim.output("ball_2.state")[:7]
+    assert np.abs(first[4:6] - other[4:6]).max() > 1e-3
+    sim.advance(0.1)
+    sim.reset()
+    assert drawn() == first
+    seen = [first]
+    for seed in range(1, 20):
+        sim.reset(seed=seed)
+        seen.append(drawn())
+    again = AtlasSimulation(scenario_from({"models": [ball, ball], "seed": 19}))
+    np.testing.assert_array_equal(again.output("ball.state"), sim.output("ball.state"))
+    w, _, _, z, x, y, up, mass = np.transpose(seen)
+    for values, middle, half in (
+        (x, 2.0, 0.2),
+        (y, 1.0, 0.2),
+        (2.0 * np.arctan2(z, w), 0.0, 0.5),
+        (mass, 1.0, 0.3),
+    ):
+        assert np.abs(values - middle).max() <= half + 1e-9
+        assert np.ptp(values) > half
+    np.testing.assert_array_equal(up, 0.8)
+
+
+def test_a_robot_is_refused_where_this_seed_has_put_a_model():
+    ball = {"file": BALL, "X_WB": {"translation": [0.0, 0.0, 1.0]}}
+    ball["jitter"] = {"position": 3.0}
+    sim = AtlasSimulation(scenario_from({"models": [ball], "seed": 1}))
+    x, y = sim.output("ball.state")[4:6]
+    with pytest.raises(WorldError, match="ball"):
+        sim.reset(pose=Start(position=[x, y]))
+    sim.reset(pose=Start(position=[x - 2.0, y]))

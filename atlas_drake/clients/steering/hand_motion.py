@@ -134,7 +134,8 @@ class HandMotion:
         joints = reach(self._robot, self._soon(state), goals, last, within).joints
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
-        self._share = self._share_of_stiffness(time, state, joints, goals)
+        context = context_of(self._robot, state, joints)
+        self._share = self._share_of_stiffness(time, context, goals)
         # The same share of the critical damping.
         damping = DAMPING / STIFFNESS * self._stiffest * np.sqrt(self._share)
         mine = arms_of(self._robot, goals)
@@ -146,7 +147,7 @@ class HandMotion:
         return AtlasCommand(
             position=beside_kept("position", joints),
             velocity=beside_kept("velocity", speed),
-            effort=beside_kept("effort", self._effort(state, joints, goals)),
+            effort=beside_kept("effort", self._effort(context, goals)),
             kp_position=beside_kept("kp_position", self._share * self._stiffest),
             kp_velocity=beside_kept("kp_velocity", damping),
             k_effort=beside_kept("k_effort", K_EFFORT_MAX),
@@ -163,15 +164,10 @@ class HandMotion:
         return tuple(goal_between(start, end, passed) for start, end in ends)
 
     def _share_of_stiffness(
-        self,
-        time: float,
-        state: np.ndarray,
-        joints: np.ndarray,
-        goals: Sequence[HandGoal],
+        self, time: float, context: Context, goals: Sequence[HandGoal]
     ) -> np.ndarray:
         """Computes with which share of the stiffest gains joints are held, (n,)."""
         robot, share = self._robot, np.ones(self._robot.num_joints)
-        context = context_of(robot, state, joints)
         for goal in goals:
             if goal.stiffness is not None:
                 most = palm_stiffness(robot, context, goal, self._stiffest)
@@ -218,12 +214,10 @@ class HandMotion:
         q[indices.q] += self.PERIOD * v[indices.v]
         return q
 
-    def _effort(
-        self, state: np.ndarray, joints: np.ndarray, goals: Sequence[HandGoal]
-    ) -> np.ndarray:
+    def _effort(self, context: Context, goals: Sequence[HandGoal]) -> np.ndarray:
         """Computes the efforts that hold the arms and exert the goals' forces."""
         plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
-        context, world = context_of(self._robot, state, joints), plant.world_frame()
+        world = plant.world_frame()
         com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
             context, JacobianWrtVariable.kV, world, world
         )
