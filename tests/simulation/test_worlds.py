@@ -118,3 +118,16 @@ def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
         assert foot.position.y == pytest.approx(0.12 * side, abs=0.02)
         assert foot.position.z == pytest.approx(1.0, abs=0.01)
     assert sim.summary()["success"]
+
+
+@pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.65, True)])
+def test_the_door_opens_only_if_its_lever_is_pressed(lever, opens):
+    sim = AtlasSimulation(Scenario(world="door"))
+    context = sim.part("plant")[1]
+    hinge, latch = map(sim.plant.GetJointByName, ("hinge", "latch"))
+    latch.set_angle(context, lever)
+    hinge.set_angular_rate(context, 2.0)
+    sim.advance(0.5)
+    assert (hinge.get_angle(context) > 0.15) == opens
+    assert latch.get_angle(context) < 0.05
+    assert hinge.get_angle(context) < 0.02 or opens
