@@ -1,4 +1,4 @@
-"""The right hand presses a door's lever, the left one pushes it open on the way through.
+"""The right hand presses a door's lever, the left one opens it on the way through.
 
 The arms are yours; WALK does the rest. Without the lever the latch holds the door shut.
 benchmarks/campaigns/door.yaml repeats it with other places.
@@ -32,7 +32,7 @@ def walk_through(sim):
     lever = sim.frame_pose("lever").translation()
 
     def move_right(up, duration, press=0.0):
-        palm = lever + [-0.14, 0.11, up]
+        palm = lever + np.array([-0.14, 0.11, up])
         work.move([HandGoal("r_hand", palm, X, [0.0, 0.0, -press])], duration)
 
     sim.advance(0.5)

@@ -57,8 +57,9 @@ class HandMotion:
         """Moves the hands of a robot, held as stiffly as the goals ask for."""
         self._robot = robot
         self._stiffest = np.minimum(STIFFNESS, robot.effort_limit / FULL_EFFORT_AT)
-        # Of these gains, the joints' shares now, and as the motion began.
-        self._share = self._share_from = np.ones(robot.num_joints)
+        # Factors of these gains in the last command, and before the motion began.
+        self._scale: np.ndarray | None = None
+        self._scale_from: np.ndarray | None = None
         self._from: tuple[HandGoal, ...] = ()
         self._to: tuple[HandGoal, ...] = ()
         self._begin = self._duration = 0.0
@@ -95,7 +96,7 @@ class HandMotion:
         self._from = tuple(self._start(context, goal, going) for goal in goals)
         self._to = tuple(goals)
         self._begin, self._duration = time, duration
-        self._share_from = self._share
+        self._scale_from = self._scale
         return there
 
     def is_there(self, time: float) -> bool:
@@ -135,9 +136,9 @@ class HandMotion:
         speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
         self._last = joints
         context = context_of(self._robot, state, joints)
-        self._share = self._share_of_stiffness(time, context, goals)
+        self._scale = scale = self._gain_scale(time, context, goals)
         # The same share of the critical damping.
-        damping = DAMPING / STIFFNESS * self._stiffest * np.sqrt(self._share)
+        damping = DAMPING / STIFFNESS * self._stiffest * np.sqrt(scale)
         mine = arms_of(self._robot, goals)
         kept = {"position": joints} if others is None else vars(others)
 
@@ -148,7 +149,7 @@ class HandMotion:
             position=beside_kept("position", joints),
             velocity=beside_kept("velocity", speed),
             effort=beside_kept("effort", self._effort(context, goals)),
-            kp_position=beside_kept("kp_position", self._share * self._stiffest),
+            kp_position=beside_kept("kp_position", scale * self._stiffest),
             kp_velocity=beside_kept("kp_velocity", damping),
             k_effort=beside_kept("k_effort", K_EFFORT_MAX),
         )
@@ -163,17 +164,22 @@ class HandMotion:
         passed, ends = self._passed(time), zip(self._from, self._to, strict=True)
         return tuple(goal_between(start, end, passed) for start, end in ends)
 
-    def _share_of_stiffness(
+    def _gain_scale(
         self, time: float, context: Context, goals: Sequence[HandGoal]
     ) -> np.ndarray:
-        """Computes with which share of the stiffest gains joints are held, (n,)."""
-        robot, share = self._robot, np.ones(self._robot.num_joints)
+        """Computes by which factor of the stiffest gains joints are held, (n,).
+
+        It goes over from that of the motion before.
+        """
+        robot, scale = self._robot, np.ones(self._robot.num_joints)
         for goal in goals:
             if goal.stiffness is not None:
                 most = palm_stiffness(robot, context, goal, self._stiffest)
-                share[arms_of(robot, [goal])] = min(goal.stiffness / most, 1.0)
+                scale[arms_of(robot, [goal])] = min(goal.stiffness / most, 1.0)
+        if self._scale_from is None:
+            return scale
         passed = self._passed(time)
-        return (1.0 - passed) * self._share_from + passed * share
+        return (1.0 - passed) * self._scale_from + passed * scale
 
     def _start(
         self, context: Context, goal: HandGoal, going: dict[str, HandGoal]
