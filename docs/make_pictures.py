@@ -48,6 +48,14 @@ STAIRS = {
 }
 STAIRS_VIEW = View([1.2, -6.6, 2.3], [1.0, 0.0, 1.5])
 """Stairs of ``stairs_up.mp4`` and ``stairs_down.mp4``, and their camera."""
+HANDS = {
+    "carry": "crate",
+    "door": "door",
+    "valve": "valve",
+    "box": "box",
+    "tray": "tray",
+}
+"""Films of the hands' work, by the campaign whose first trial they show."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -113,7 +121,7 @@ def main() -> None:
 
 
 def make_films() -> None:
-    """Films the tutorial, with the owner of each joint, a push, a tour, and stairs."""
+    """Films the tutorial with the owner of each joint, a push, tour, stairs, hands."""
     push = PlannedPush(time=1.0, impulse=PUSH)
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/tutorial.mcap"
@@ -131,6 +139,10 @@ def make_films() -> None:
             tour(sim, TOUR)
         show = ["owner", "com", "dcm", "support"]
         film(read_log(log), IMAGES / "tour.mp4", size=FILM_SIZE, show=show)
+        for campaign, name in HANDS.items():
+            first = [str(CAMPAIGNS / f"{campaign}.yaml"), "--only", "0"]
+            kept = ["--out", folder, "--video", str(IMAGES / f"{name}.mp4")]
+            atlas_drake(["sweep", *first, *kept])
         climb = run_file(CAMPAIGNS / "stairs.py", "stairs")["climb"]
         for way, place in STAIRS.items():
             stairs = {**place, "rise": 0.20, "run": 0.30, "number": 6}
