@@ -67,7 +67,7 @@ LAMP, LAMP_INTENSITY, LAMP_CONE = np.array([3.0, -5.0, 9.0]), 1.7, 62.0
 turn with a camera that follows; brightness; half angle [degree]."""
 FILL, FILL_INTENSITY = np.array([45.0, 3.0, 45.0]), 2.0
 """The lamp without shadow: position from the target [m]; brightness."""
-BACK, BACK_INTENSITY = np.array([-45.0, -3.0, 15.0]), 0.8
+BACK, BACK_INTENSITY = np.array([-45.0, -3.0, 28.0]), 0.6
 """The lamp behind it, weaker: without it what faces away from the others is black."""
 DARKEST, BRIGHTEST = 0.35, 1.25
 """Brightness of a colored link where the picture is black, and where it is white."""
