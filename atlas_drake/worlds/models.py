@@ -170,7 +170,11 @@ class Model(Configuration):
                 raise ScenarioError(name, getattr(self, name), problem)
 
     def draw(self, random: np.random.Generator) -> ModelDraw:
-        """Draws what a run varies."""
+        """Draws what a run varies.
+
+        Args:
+            random: Generator of the run.
+        """
         jitter = self.jitter
         half = [jitter.position, jitter.position, jitter.yaw, jitter.mass]
         x, y, yaw, mass = random.uniform(np.negative(half), half).tolist()
