@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -103,8 +103,9 @@ class Model(Configuration):
     """Velocity of the base body at the start, rotation first; null for at rest."""
     weld: bool = False
     """True to fix the base body in W, at X_WB or at W's origin."""
-    jitter: ModelJitter = field(default_factory=ModelJitter)
-    """Random variations at the start, so that every seed has another place or mass."""
+    jitter: ModelJitter | None = None
+    """Random variations at the start, so that every seed has another place or mass;
+    null for none."""
 
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Adds the models of the file to a plant that is not finalized yet.
@@ -123,10 +124,10 @@ class Model(Configuration):
         except RuntimeError as error:
             raise refusal("file", f"cannot be read: {error}") from None
         if len(instances) != 1:
-            for given in ("name", "X_WB", "V_WB", "weld", "jitter"):
-                if self._gives(given):
+            for field in ("name", "X_WB", "V_WB", "weld", "jitter"):
+                if getattr(self, field):
                     count = len(instances)
-                    raise refusal(given, f"is not for a file of {count} models")
+                    raise refusal(field, f"is not for a file of {count} models")
             return
         try:
             plant.RenameModelInstance(instances[0], name)
@@ -155,18 +156,16 @@ class Model(Configuration):
             raise ScenarioError(
                 "X_WB", X_WB, "must be one pose in W: no distribution, no frame"
             )
-        for name in ("V_WB", "jitter"):
-            if self.weld and self._gives(name):
-                problem = "is not for a welded model"
-                raise ScenarioError(name, getattr(self, name), problem)
         plant = MultibodyPlant(time_step=0.001)
         self.add_to(plant, "model", "")
         plant.Finalize()
         for name in ("V_WB", "jitter"):
-            if self._gives(name) and not plant.HasUniqueFloatingBaseBody(
+            if getattr(self, name) and not plant.HasUniqueFloatingBaseBody(
                 plant.GetModelInstanceByName("model")
             ):
                 problem = "needs a model with one base body that is free"
+                if self.weld:
+                    problem = "is not for a welded model"
                 raise ScenarioError(name, getattr(self, name), problem)
 
     def draw(self, random: np.random.Generator) -> ModelDraw:
@@ -175,17 +174,10 @@ class Model(Configuration):
         Args:
             random: Generator of the run.
         """
-        jitter = self.jitter
+        jitter = self.jitter or ModelJitter()
         half = [jitter.position, jitter.position, jitter.yaw, jitter.mass]
         x, y, yaw, mass = random.uniform(np.negative(half), half).tolist()
         return ModelDraw(x, y, yaw, 1.0 + mass)
-
-    def _gives(self, name: str) -> bool:
-        """Returns True if a field has another value than one that is left out."""
-        return bool(getattr(self, name) != getattr(_LEFT_OUT, name))
-
-
-_LEFT_OUT = Model()
 
 
 def _base(plant: MultibodyPlant, instance: ModelInstanceIndex, path: str) -> RigidBody:
@@ -222,7 +214,7 @@ def begin_models(
     Each is in its default state before.
     """
     for model, draw, name in zip(models, draws, _names(models), strict=True):
-        if model.V_WB is None and model.jitter == ModelJitter():
+        if not (model.V_WB or model.jitter):
             continue
         instance = plant.GetModelInstanceByName(name)
         base = plant.GetUniqueFloatingBaseBodyOrThrow(instance)

@@ -148,11 +148,8 @@ def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
 
 def test_a_hand_on_the_own_hip_is_no_pull():
     sim = AtlasSimulation()
-    hands = HandMotion(sim.robot)
-    state, hip = (
-        sim.output("state"),
-        HandGoal("l_hand", [0.0, 0.24, 0.0], frame="pelvis"),
-    )
+    hands, state = HandMotion(sim.robot), sim.output("state")
+    hip = HandGoal("l_hand", [0.0, 0.24, 0.0], frame="pelvis")
     # The arm keeps clear of the hip; a force presses the hand onto it.
     beside = reach(sim.robot, state, [hip]).positions[0]
     inward = [0.0, -100.0, 0.0]
