@@ -18,6 +18,7 @@ RADIUS = 0.14  # of the fist's way round the wheel's middle [m]
 AHEAD, ASIDE = 0.42, 0.1  # from the robot to the wheel, which is to the left [m]
 FREE, TOUCH = math.radians(30.0), math.radians(62.0)  # between spokes, and at the upper
 QUARTER, PIECES = math.radians(100.0), 8  # the way of the fist from there on
+BEFORE = 0.15  # from the wheel to where the fist comes from and goes [m]
 
 
 def grip(sim, angle, ahead=0.0):
@@ -38,13 +39,13 @@ def turn(sim, ahead=0.0, left=0.0):
     sim.advance(0.5)
     x, y, _ = sim.frame_pose("wheel").translation()
     work.walk_to(x - AHEAD + ahead, y - ASIDE + left, 0.0)
-    work.move(grip(sim, FREE, ahead=-0.2), 1.5)
+    work.move(grip(sim, FREE, ahead=-BEFORE), 1.5)
     work.move(grip(sim, FREE), 1.0)
     for angle in np.linspace(TOUCH, TOUCH + QUARTER, PIECES):
         work.move(grip(sim, angle), 0.8)
     last = TOUCH + QUARTER - 0.2
     work.move(grip(sim, last), 0.5)
-    work.move(grip(sim, last, ahead=-0.2), 1.0)
+    work.move(grip(sim, last, ahead=-BEFORE), 1.0)
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from atlas_drake.planning.reach import (
 from atlas_drake.robot import TRUNK, Robot
 from atlas_drake.units import GRAVITY
 
-STIFFNESS, DAMPING = 1000.0, 50.0
+STIFFNESS, DAMPING = 2000.0, 80.0
 """Largest ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
 FULL_EFFORT_AT = 0.05
 """Least error of a joint at which it exerts all of its effort [rad]: weak joints get
