@@ -12,6 +12,7 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
+    Scenario,
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
@@ -90,8 +91,14 @@ def test_a_frame_of_the_robot_has_a_pose():
     sim = AtlasSimulation()
     assert sim.frame_pose("l_sole").translation()[2] == pytest.approx(0.0, abs=2e-3)
     assert sim.frame_pose("pelvis").IsExactlyEqualTo(sim.pelvis_pose)
-    with pytest.raises(ValueError, match="no frame 'l_sol'"):
+    with pytest.raises(ValueError, match=r"no frame 'l_sol'\. Did you mean 'l_sole'"):
         sim.frame_pose("l_sol")
+
+
+def test_a_frame_of_two_models_is_refused_with_their_names():
+    sim = AtlasSimulation(Scenario(world="tray"))
+    with pytest.raises(ValueError, match=r"frames '__model__' of .*tray"):
+        sim.frame_pose("__model__")
 
 
 def test_an_element_of_a_channel_has_a_name(tmp_path):

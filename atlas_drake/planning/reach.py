@@ -70,8 +70,8 @@ class HandGoal:
             [w, x, y, z], in place of a direction; None leaves it open.
         palm: Another point than the robot's palm, in the body's frame [m], shape (3,).
             The hand points from the body's origin there.
-        stiffness: Of the palm's hold in its softest direction, from ``SOFTEST`` [N/m];
-            None for as stiff as the arm can.
+        stiffness: Of the palm's hold in its softest direction, at least 1 [N/m]; None,
+            or more than the arm can give, for as stiff as it can.
     """
 
     hand: str
@@ -93,7 +93,8 @@ class HandGoal:
                 continue
             numbers = check_vector(value, name, 4 if name == "orientation" else 3)
             if name in ("direction", "palm") and not numbers.any():
-                raise InvalidMessageError(name, value, "must not be zero")
+                problem = "must not be zero: the hand points nowhere"
+                raise InvalidMessageError(name, value, problem)
             if name == "orientation" and abs(np.linalg.norm(numbers) - 1.0) > _UNIT:
                 raise InvalidMessageError(name, value, "must be of length 1")
         if self.direction is not None and self.orientation is not None:
@@ -135,11 +136,14 @@ class Reach:
         goals: What was asked for.
         joints: Joint positions [rad], shape (n,), message order.
         positions: Where the palms are then, in the goals' frames [m], shape (k, 3).
+        angles: How far the hands then point, or are turned, away from their goals
+            [rad], shape (k,); 0 where a goal leaves that open.
     """
 
     goals: tuple[HandGoal, ...]
     joints: np.ndarray
     positions: np.ndarray
+    angles: np.ndarray
 
     @property
     def distances(self) -> np.ndarray:
@@ -148,11 +152,13 @@ class Reach:
         return np.asarray(np.linalg.norm(wanted - self.positions, axis=1))
 
     def check(self, tolerance: float = TOLERANCE) -> None:
-        """Refuses a goal that is out of reach.
+        """Refuses a place that is out of reach.
+
+        How a hand is turned there, ``angles`` say.
 
         Raises:
             InvalidMessageError: If a palm stays away by more than ``tolerance`` [m].
-                The nearest place that it reaches is named.
+                The nearest place that was found is named.
         """
         if not self.goals:
             return
@@ -161,8 +167,8 @@ class Reach:
         if far[worst] > tolerance:
             goal, nearest = self.goals[worst], self.positions[worst].round(3).tolist()
             problem = (
-                f"{goal.hand} cannot reach it; the nearest place is {nearest}, "
-                f"{far[worst]:.3f} m away"
+                f"{goal.hand} cannot reach it; the nearest place found is {nearest}, "
+                f"{far[worst]:.3f} m away; let the robot stand nearer, or bend"
             )
             raise InvalidMessageError("position", list(goal.position), problem)
 
@@ -221,8 +227,7 @@ def reach(
     best = min(clear or results, key=lambda result: result.get_optimal_cost())
     # A step of the line search may end beyond the limits by rounding.
     q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
-    found = positions_of(robot, context_of(robot, q), goals)
-    return Reach(tuple(goals), q[indices.q], found)
+    return reached(robot, q, goals)
 
 
 def positions_at(robot: Robot, state: np.ndarray) -> np.ndarray:
@@ -310,27 +315,32 @@ def add_costs(
             )
 
 
-def positions_of(
-    robot: Robot, context: Context, goals: Sequence[HandGoal]
-) -> np.ndarray:
-    """Computes where palms are, each in the frame of its goal [m], shape (k, 3).
+def reached(robot: Robot, q: np.ndarray, goals: Sequence[HandGoal]) -> Reach:
+    """Computes what hands reach of their goals in a pose.
 
     Args:
         robot: The robot.
-        context: Of the robot's own plant.
+        q: Positions of the robot, in the order of its plant.
         goals: At most one for each hand.
     """
-    plant = robot.plant
-    found = [
-        plant.CalcPointsPositions(
-            context,
-            plant.GetFrameByName(goal.hand),
-            palm_of(robot, goal),
-            frame_of(robot, goal),
-        ).ravel()
-        for goal in goals
-    ]
-    return np.reshape(found, (-1, 3))
+    plant, context = robot.plant, context_of(robot, q)
+    positions, angles = [], []
+    for goal in goals:
+        hand, palm = plant.GetFrameByName(goal.hand), palm_of(robot, goal)
+        X_FH = hand.CalcPose(context, frame_of(robot, goal))
+        positions.append(X_FH @ palm)
+        angles.append(_angle_off(goal, X_FH.rotation(), palm))
+    joints = q[robot.indices(plant).q]
+    return Reach(tuple(goals), joints, np.reshape(positions, (-1, 3)), np.array(angles))
+
+
+def _angle_off(goal: HandGoal, R_FH: RotationMatrix, palm: np.ndarray) -> float:
+    if goal.orientation is not None:
+        return abs(float((goal.rotation.inverse() @ R_FH).ToAngleAxis().angle()))
+    if goal.direction is None:
+        return 0.0
+    way, wanted = R_FH @ palm, np.array(goal.direction)
+    return math.atan2(float(np.linalg.norm(np.cross(way, wanted))), float(way @ wanted))
 
 
 def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
@@ -385,7 +395,8 @@ def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:
     names = [goal.hand for goal in goals]
     for hand in names:
         if hand not in robot.arms:
-            problem = f"{robot.name} has no such hand.{did_you_mean(hand, robot.arms)}"
+            known = ", ".join(robot.arms) or "none"
+            problem = f"{robot.name} has no such hand; its hands are {known}"
             raise InvalidMessageError("hand", hand, problem)
     if len(set(names)) < len(names):
         raise InvalidMessageError("hand", names, "a hand has one goal at a time")

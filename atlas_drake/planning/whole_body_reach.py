@@ -27,9 +27,8 @@ from atlas_drake.planning.reach import (
     Reach,
     add_costs,
     arms_of,
-    context_of,
     kinematics_of,
-    positions_of,
+    reached,
 )
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import shapes_of
@@ -147,8 +146,7 @@ def whole_body_reach(
         pelvis_pitch=pitch,
         pelvis_roll=roll,
     )
-    found = positions_of(robot, context_of(robot, q), goals)
-    return Reach(tuple(goals), q[indices.q], found), params
+    return reached(robot, q, goals), params
 
 
 def _roll_pitch_yaw(wxyz: np.ndarray, heading: float) -> np.ndarray:

@@ -77,7 +77,7 @@ def find_data_file(
     what = f"file {path}" if path.suffix in _ENDINGS else f"{kind} {shown(str(given))}"
     hint = did_you_mean(str(given), names)
     problem = f"must be one of {', '.join(names)}, or the path of a file (*.yaml)"
-    raise fault(field, str(given), f"there is no {what};{hint} {problem}")
+    raise fault(field, str(given), f"there is no {what}; {problem}.{hint}")
 
 
 def file_beside(given: str, folder: Path, names: Sequence[str]) -> str:

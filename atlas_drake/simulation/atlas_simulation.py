@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.multibody.tree import FrameIndex
 from pydrake.systems.analysis import (
     ApplySimulatorConfig,
     InitializeParams,
@@ -33,6 +34,7 @@ from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
+    did_you_mean,
     shown,
 )
 from atlas_drake.messages import (
@@ -687,13 +689,19 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no frame of that name, or there are several.
         """
-        own = self.robot.instance(self.plant)
-        try:
-            models = [own] if self.plant.HasFrameNamed(name, own) else []
-            frame = self.plant.GetFrameByName(name, *models)
-        except (RuntimeError, TypeError) as error:
-            raise ValueError(f"there is no frame {name!r}: {error}") from error
-        return frame.CalcPoseInWorld(self.part("plant")[1])
+        plant, context = self.part("plant")
+        own = self.robot.instance(plant)
+        if plant.HasFrameNamed(name, own):
+            return plant.GetFrameByName(name, own).CalcPoseInWorld(context)
+        frames = [plant.get_frame(FrameIndex(k)) for k in range(plant.num_frames())]
+        named = [frame for frame in frames if frame.name() == name]
+        if len(named) > 1:
+            models = [plant.GetModelInstanceName(f.model_instance()) for f in named]
+            raise ValueError(f"there are frames {name!r} of {', '.join(models)}")
+        if not named:
+            hint = did_you_mean(name, {frame.name() for frame in frames})
+            raise ValueError(f"there is no frame {name!r}.{hint}")
+        return named[0].CalcPoseInWorld(context)
 
     def output(self, name: str) -> Any:
         """Reads an output port of the station.

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake import AtlasSimulation
+from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.clients.logs.failure_modes import BEARING
 from atlas_drake.records import TickRecord
 from atlas_drake.robot import Robot
@@ -33,7 +33,9 @@ class Touchdowns:
         self._peak = 0.0
 
     def update(self, record: TickRecord) -> None:
-        """Adds a record."""
+        """Adds a record of a walk; before it the robot drops from a random pose."""
+        if record.behavior.current != Behavior.WALK:
+            return
         feet = record.feet
         for foot, load in enumerate(feet.loads):
             self._peak = max(self._peak, load / self._weight)

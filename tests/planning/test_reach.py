@@ -88,7 +88,7 @@ def test_no_arm_is_within_the_body(robot, state, place):
 
 
 def test_a_place_that_only_the_chest_hides_is_refused(robot, state):
-    with pytest.raises(InvalidMessageError, match="the nearest place is"):
+    with pytest.raises(InvalidMessageError, match="the nearest place found is"):
         reach(robot, state, [HandGoal("l_hand", [0.15, 0.1, 0.9])]).check()
 
 
@@ -116,12 +116,22 @@ def test_a_goal_of_the_pelvis_moves_with_it(robot, state):
 def test_out_of_reach_is_refused_with_the_nearest_place(robot, state):
     found = reach(robot, state, [HandGoal("l_hand", [1.5, 0.3, 1.0])])
     assert 0.3 < found.distances[0] < 1.2
-    with pytest.raises(InvalidMessageError, match=r"l_hand cannot reach .* nearest"):
+    with pytest.raises(
+        InvalidMessageError, match=r"l_hand cannot reach .* nearest .* bend"
+    ):
         found.check()
 
 
+@pytest.mark.parametrize("direction", [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+def test_it_is_told_how_far_a_direction_is_missed(robot, state, direction):
+    found = reach(robot, state, [HandGoal("l_hand", [0.42, 0.3, 1.05], direction)])
+    found.check()
+    _, axis = palm(robot, state, found.joints)
+    assert found.angles[0] == pytest.approx(np.arccos(axis @ direction), abs=0.06)
+
+
 def test_a_hand_that_the_robot_has_not_is_refused(robot, state):
-    with pytest.raises(InvalidMessageError, match="no such hand"):
+    with pytest.raises(InvalidMessageError, match="its hands are l_hand, r_hand"):
         reach(robot, state, [HandGoal("l_hnd", [0.5, 0.3, 1.0])])
 
 

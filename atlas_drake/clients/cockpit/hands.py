@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 
 from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.errors import InvalidMessageError
@@ -76,7 +76,7 @@ class Hands:
             "links": links,
             "distance": float(found.distances[0]),
             "near": bool(found.distances[0] <= TOLERANCE),
-            "angle": _angle_between(pose(hand).rotation(), goal.rotation),
+            "angle": float(found.angles[0]),
         }
 
     def move(
@@ -133,9 +133,5 @@ class Hands:
         """Returns the time for a way from where the hand is [s]."""
         X_WH = self._sim.frame_pose(goal.hand)
         way = np.array(goal.position) - X_WH @ palm_of(self._sim.robot, goal)
-        turn = _angle_between(X_WH.rotation(), goal.rotation)
+        turn = (X_WH.rotation().inverse() @ goal.rotation).ToAngleAxis().angle()
         return max(float(np.linalg.norm(way)) / SPEED, turn / TURNING, SHORTEST)
-
-
-def _angle_between(first: RotationMatrix, second: RotationMatrix) -> float:
-    return float((first.inverse() @ second).ToAngleAxis().angle())

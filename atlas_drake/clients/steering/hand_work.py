@@ -17,7 +17,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.planning.footstep_planner import steps_to
-from atlas_drake.planning.reach import HandGoal
+from atlas_drake.planning.reach import HandGoal, Reach
 from atlas_drake.planning.whole_body_reach import whole_body_reach
 from atlas_drake.simulation.atlas_simulation import AtlasSimulation
 
@@ -74,23 +74,28 @@ class HandWork:
             problem = f"MANIPULATE does not bring the pelvis there: {pelvis}"
             raise InvalidMessageError("goals", found.positions.tolist(), problem)
 
-    def move(self, goals: Sequence[HandGoal], duration: float) -> None:
+    def move(self, goals: Sequence[HandGoal], duration: float) -> Reach:
         """Moves hands to their goals along straight lines.
 
         Args:
             goals: At most one for each hand; a hand without one is the behavior's.
             duration: Time in which they get there [s].
 
+        Returns:
+            What the arms reach of it, as seen from the start: a direction that they
+            cannot have is not refused, ``angles`` say how far it is missed.
+
         Raises:
-            InvalidMessageError: If a goal is out of reach.
+            InvalidMessageError: If a place is out of reach.
         """
         sim = self._sim
         state = sim.output("state")
-        self._hands.aim(sim.time, state, self._placed(goals), duration)
+        there = self._hands.aim(sim.time, state, self._placed(goals), duration)
         self._busy = True
         while not self._hands.is_there(sim.time - self.SETTLING):
             if not self._go_on():
-                return
+                break
+        return there
 
     def hold(self, duration: float = 0.5) -> None:
         """Keeps the hands where they are at the chest from now on.
