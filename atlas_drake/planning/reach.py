@@ -44,9 +44,6 @@ _WATCHED = 0.03
 _ITERATIONS = 60
 """Largest number of steps of a search: where the nearest of several pairs of links
 changes from step to step, it may go on for seconds and gains nothing."""
-_OPTIMALITY = 1e-3
-"""Tolerance of a search: palms are within a tenth of a millimetre of the optimum by
-then, and what would take as long again are ways of joints that move no palm."""
 _CLOSE = 1e-3
 """Violation of a constraint up to which a pose counts as possible."""
 
@@ -218,7 +215,6 @@ def reach(
         starts += [robot.stand_prep[limbs], 0.5 * (lower + upper)]
     options = SolverOptions()
     options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
-    options.SetOption(SnoptSolver.id(), "Major optimality tolerance", _OPTIMALITY)
     results = []
     for start in starts:
         q[moving] = np.clip(start, lower, upper)
