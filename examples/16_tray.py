@@ -20,6 +20,7 @@ WEIGHT = 24.0  # of tray and glass [N]
 X, Y, Z = np.eye(3)
 UP = 0.12 * Z  # way of the lifted tray [m]
 AHEAD = 0.46  # of the robot, where it takes the tray [m]
+LEVEL = math.radians(5.0)  # that the tray may lean
 FAR = 5.0  # the robot carries it to the left [m]
 
 
@@ -63,5 +64,6 @@ if __name__ == "__main__":
     leaned = serve(sim, options.far)
     print(f"The tray leaned by {math.degrees(leaned):.1f} degrees at most.")
     stands = tilt(sim, "glass") < 0.1 and sim.frame_pose("glass").translation()[2] > 0.9
-    print("The glass is served." if stands else "The glass has fallen.")
-    sys.exit(not stands)
+    served = stands and leaned < LEVEL
+    print("The glass is served." if served else "Nobody would drink of it.")
+    sys.exit(not served)
