@@ -53,8 +53,9 @@ class SwingProfile(Configuration):
     landing_speed: Positive[MetersPerSecond] = 0.15
     """Speed of the sole at touchdown, and of its descent past the planned touchdown.
     The higher the speed, the smaller the timing error from an error of height."""
-    late_acceleration: NotNegative[MetersPerSecondSquared] = 5.0
-    """Acceleration of the descent past the planned touchdown."""
+    late_acceleration: NotNegative[MetersPerSecondSquared] = 2.0
+    """Acceleration of the descent past the planned touchdown: more, and a foot that is
+    late by a few hundredths of a second lands with two or three weights."""
     landing_time: Positive[Seconds] = 0.5
     """Longest final part of a swing, in which the sole reaches ``landing_speed``."""
     apex: ProperShare = 0.4
