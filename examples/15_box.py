@@ -13,6 +13,7 @@ from atlas_drake import AtlasSimulation, HandGoal, HandWork, Scenario
 PLACE = [0.4, 0.22, -0.05]  # of the left palm, from the pelvis [m]
 HALF = 0.35  # from the box's middle to its near side [m]
 FIST = 0.11  # from a palm to the end of the fist [m]
+CLOSE = 0.02  # to the end of its way is near enough [m]
 WAY = 0.5  # of the box [m]
 
 
@@ -28,7 +29,9 @@ def push(sim, way, place=PLACE):
     ]
     work.move(goals, 1.5)
     there, pushed = box[0] - HALF - FIST - ahead, 0.0
-    for _ in range(2):  # Arms that give way leave something for a second walk.
+    for _ in range(3):  # Arms that give way leave something for another walk.
+        if way - pushed < CLOSE:
+            break
         there += way - pushed
         work.walk_to(there, box[1], 0.0)
         pushed = sim.frame_pose("box").translation()[0] - box[0]
