@@ -33,12 +33,12 @@ SOFTEST, STIFFEST = 1.0, 1e5
 _NEARNESS, _ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
-
 _STEP = 1.0
 """The weight of a joint's way where the search is a step of a motion [1/rad²]: least
 squares damped by 1 cm/rad. An arm that is nearly straight is not thrown about by each
 jolt of the trunk. Y. Nakamura and H. Hanafusa, "Inverse kinematic solutions with
 singularity robustness for robot manipulator control", J. Dyn. Sys. 1986."""
+
 _WATCHED = 0.03
 """Distance of two links from which the search keeps them apart [m]."""
 _ITERATIONS = 60
@@ -332,7 +332,7 @@ def reached(robot: Robot, q: np.ndarray, goals: Sequence[HandGoal]) -> Reach:
 
 def _angle_off(goal: HandGoal, R_FH: RotationMatrix, palm: np.ndarray) -> float:
     if goal.orientation is not None:
-        return abs(float((goal.rotation.inverse() @ R_FH).ToAngleAxis().angle()))
+        return float((goal.rotation.inverse() @ R_FH).ToAngleAxis().angle())
     if goal.direction is None:
         return 0.0
     way, wanted = R_FH @ palm, np.array(goal.direction)
