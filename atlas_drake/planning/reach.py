@@ -13,6 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydrake.autodiffutils import (
+    ExtractGradient,
+    ExtractValue,
+    InitializeAutoDiff,
+)
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
@@ -25,15 +30,16 @@ from atlas_drake.errors import InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
+from atlas_drake.units import GRAVITY
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
 SOFTEST, STIFFEST = 1.0, 1e5
 """Range of the stiffness of a palm's hold [N/m]."""
-_NEARNESS, _ANGLE, POSTURE = 1e4, 3.0, 1e-2
+NEARNESS, ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
-_STEP = 1.0
+STEP = 1.0
 """The weight of a joint's way where the search is a step of a motion [1/rad²]: least
 squares damped by 1 cm/rad. An arm that is nearly straight is not thrown about by each
 jolt of the trunk. Y. Nakamura and H. Hanafusa, "Inverse kinematic solutions with
@@ -44,6 +50,13 @@ _WATCHED = 0.03
 _ITERATIONS = 60
 """Largest number of steps of a search: where the nearest of several pairs of links
 changes from step to step, it may go on for seconds and gains nothing."""
+HELD = 0.9
+"""Largest share of a joint's effort that it takes to hold an arm where a hand goes."""
+_FREE = 0.05
+"""Distance of an arm's joints to their stops [rad]: an elbow that is straight at its
+stop is at a saddle, where no step bends it."""
+_SMALL = 1e-6
+"""Step of a joint for a difference [rad]."""
 _CLOSE = 1e-3
 """Violation of a constraint up to which a pose counts as possible."""
 
@@ -164,8 +177,9 @@ class Reach:
         if far[worst] > tolerance:
             goal, nearest = self.goals[worst], self.positions[worst].round(3).tolist()
             problem = (
-                f"{goal.hand} cannot reach it; the nearest place found is {nearest}, "
-                f"{far[worst]:.3f} m away; let the robot stand nearer, or bend"
+                f"{goal.hand} cannot reach it, or is too weak to stay there; the "
+                f"nearest place found is {nearest}, {far[worst]:.3f} m away; let the "
+                "robot stand nearer, or bend"
             )
             raise InvalidMessageError("position", list(goal.position), problem)
 
@@ -199,6 +213,9 @@ def reach(
     fixed = np.setdiff1d(np.arange(len(q)), moving)
     lowest, highest = robot.position_lower[limbs], robot.position_upper[limbs]
     q[moving] = np.clip(q[moving], lowest, highest)
+    # Who is nearer to a stop may stay there.
+    lowest = np.minimum(lowest + _FREE, q[moving])
+    highest = np.maximum(highest - _FREE, q[moving])
     lower = np.maximum(lowest, q[moving] - within)
     upper = np.minimum(highest, q[moving] + within)
     kinematics = kinematics_of(robot, state, limbs)
@@ -206,13 +223,14 @@ def reach(
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
     from_afar = math.isinf(within)
-    posture = (POSTURE if from_afar else _STEP) * np.eye(len(moving))
+    posture = (POSTURE if from_afar else STEP) * np.eye(len(moving))
     program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
     add_costs(kinematics, robot, goals)
     # From afar a search may get stuck at a limit that it meets on its way.
     starts = [q[moving]]
     if from_afar:
         starts += [robot.stand_prep[limbs], 0.5 * (lower + upper)]
+        add_holding(kinematics, robot, moving, q, goals)
     options = SolverOptions()
     options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
     results = []
@@ -296,19 +314,83 @@ def add_costs(
         frame, hand = named(frame_of(robot, goal).name()), named(goal.hand)
         palm = palm_of(robot, goal)
         kinematics.AddPositionCost(
-            frame, goal.position, hand, palm, _NEARNESS * np.eye(3)
+            frame, goal.position, hand, palm, NEARNESS * np.eye(3)
         )
         if goal.direction is not None:
             if not palm.any():
                 problem = f"{goal.hand} points nowhere: give the robot's file its palms"
                 raise InvalidMessageError("direction", goal.direction, problem)
             kinematics.AddAngleBetweenVectorsCost(
-                hand, palm, frame, goal.direction, _ANGLE
+                hand, palm, frame, goal.direction, ANGLE
             )
         if goal.orientation is not None:
             kinematics.AddOrientationCost(
-                frame, goal.rotation, hand, RotationMatrix(), _ANGLE
+                frame, goal.rotation, hand, RotationMatrix(), ANGLE
             )
+
+
+def add_holding(
+    kinematics: InverseKinematics,
+    robot: Robot,
+    moving: np.ndarray,
+    q: np.ndarray,
+    goals: Sequence[HandGoal],
+) -> None:
+    """Keeps arms to poses in which they can hold themselves, and what hands exert.
+
+    Args:
+        kinematics: Of the robot's shapes.
+        robot: The robot.
+        moving: Indices of the positions that are looked for.
+        q: All positions, in the order of the robot's plant.
+        goals: At most one for each hand.
+    """
+    if not goals:
+        return
+    context, arms = context_of(robot, q), arms_of(robot, goals)
+    q, most = q.copy(), np.full(arms.sum(), HELD)
+
+    def shares(at: np.ndarray) -> np.ndarray:
+        q[moving] = at
+        robot.plant.SetPositions(context, q)
+        effort = holding_effort(robot, context, goals)
+        return np.asarray((effort / robot.effort_limit)[arms])
+
+    def with_gradient(at: np.ndarray) -> np.ndarray:
+        if at.dtype != object:
+            return shares(at)
+        point, gradient = ExtractValue(at).ravel(), ExtractGradient(at)
+        here, steps = shares(point), _SMALL * np.eye(len(point))
+        J = np.array([shares(point + step) - here for step in steps]).T / _SMALL
+        return np.asarray(InitializeAutoDiff(here, J @ gradient)).ravel()
+
+    variables = kinematics.q()[moving]
+    kinematics.prog().AddConstraint(with_gradient, -most, most, variables)
+
+
+def holding_effort(
+    robot: Robot, context: Context, goals: Sequence[HandGoal]
+) -> np.ndarray:
+    """Computes the efforts that hold the robot's limbs and exert the goals' forces.
+
+    Args:
+        robot: The robot.
+        context: Of the robot's own plant.
+        goals: At most one for each hand.
+
+    Returns:
+        [N·m], shape (n,), message order; right for limbs that touch nothing else.
+    """
+    plant, world = robot.plant, robot.plant.world_frame()
+    com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
+        context, JacobianWrtVariable.kV, world, world
+    )
+    effort = GRAVITY * robot.mass * com[2]
+    for goal in goals:
+        X_WF = frame_of(robot, goal).CalcPoseInWorld(context)
+        force = X_WF.rotation() @ np.array(goal.force)
+        effort = effort + palm_jacobian(robot, context, goal).T @ force
+    return np.asarray(effort[robot.indices(plant).v])
 
 
 def reached(robot: Robot, q: np.ndarray, goals: Sequence[HandGoal]) -> Reach:

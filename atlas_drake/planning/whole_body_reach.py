@@ -26,6 +26,7 @@ from atlas_drake.planning.reach import (
     HandGoal,
     Reach,
     add_costs,
+    add_holding,
     arms_of,
     kinematics_of,
     reached,
@@ -131,6 +132,8 @@ def whole_body_reach(
         _RAISED * np.eye(1), q[indices.pelvis.position][2:], height
     )
     add_costs(kinematics, robot, goals)
+    looked_for = np.setdiff1d(np.arange(len(q)), fixed)
+    add_holding(kinematics, robot, looked_for, q, goals)
 
     program.SetInitialGuess(variables, q)
     program.SetInitialGuess(com, plant.CalcCenterOfMassPositionInWorld(context))

@@ -122,6 +122,22 @@ def test_out_of_reach_is_refused_with_the_nearest_place(robot, state):
         found.check()
 
 
+def test_a_place_where_the_arm_cannot_hold_its_load_is_refused(robot, state):
+    far, near = [0.5, 0.3, 1.0], [0.25, 0.35, 0.8]
+    for place, load, within in [(far, 0, True), (near, 400, True), (far, 500, False)]:
+        [away] = reach(
+            robot, state, [HandGoal("l_hand", place, force=[0.0, 0.0, load])]
+        ).distances
+        assert bool(away < 1e-3) is within, (place, load)
+
+
+def test_no_joint_goes_to_its_stop_where_no_step_bends_it_again(robot, state):
+    arm = robot.limb("l_arm")
+    found = reach(robot, state, [HandGoal("l_hand", [1.5, 0.3, 1.0])]).joints[arm]
+    ends = robot.position_lower[arm], robot.position_upper[arm]
+    assert min(abs(found - end).min() for end in ends) > 0.04
+
+
 @pytest.mark.parametrize("direction", [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 def test_it_is_told_how_far_a_direction_is_missed(robot, state, direction):
     found = reach(robot, state, [HandGoal("l_hand", [0.42, 0.3, 1.05], direction)])

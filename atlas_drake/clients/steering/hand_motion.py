@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import JointCommand
+from atlas_drake.planning.arm_speed import arm_speed
 from atlas_drake.planning.reach import (
     HandGoal,
     Reach,
@@ -23,13 +23,12 @@ from atlas_drake.planning.reach import (
     context_of,
     frame_of,
     goal_between,
-    palm_jacobian,
+    holding_effort,
     palm_of,
     palm_stiffness,
     reach,
 )
 from atlas_drake.robot import TRUNK, Robot
-from atlas_drake.units import GRAVITY
 
 STIFFNESS, DAMPING = 2000.0, 80.0
 """Largest ``kp_position`` [N·m/rad] and ``kp_velocity`` [N·m·s/rad] of the arms."""
@@ -132,9 +131,11 @@ class HandMotion:
         goals, last = self._now(time), self._last
         # No joint jumps to another way to the same place.
         within = math.inf if last is None else self.FASTEST * self.PERIOD
-        joints = reach(self._robot, self._soon(state), goals, last, within).joints
-        speed = np.zeros(len(joints)) if last is None else (joints - last) / self.PERIOD
+        joints = reach(self._robot, state, goals, last, within).joints
         self._last = joints
+        later = self._now(time + self.PERIOD)
+        speed = arm_speed(self._robot, state, goals, later, self.PERIOD)
+        speed = np.clip(speed, -self.FASTEST, self.FASTEST)
         context = context_of(self._robot, state, joints)
         self._scale = scale = self._gain_scale(time, context, goals)
         # The same share of the critical damping.
@@ -148,7 +149,7 @@ class HandMotion:
         return AtlasCommand(
             position=beside_kept("position", joints),
             velocity=beside_kept("velocity", speed),
-            effort=beside_kept("effort", self._effort(context, goals)),
+            effort=beside_kept("effort", holding_effort(self._robot, context, goals)),
             kp_position=beside_kept("kp_position", scale * self._stiffest),
             kp_velocity=beside_kept("kp_velocity", damping),
             k_effort=beside_kept("k_effort", K_EFFORT_MAX),
@@ -208,28 +209,3 @@ class HandMotion:
             force=(R_FW @ force).tolist(),
             orientation=(R_FW @ R_WH).ToQuaternion().wxyz() if turned else None,
         )
-
-    def _soon(self, state: np.ndarray) -> np.ndarray:
-        """Returns the positions after a ``PERIOD`` in which the joints go on.
-
-        The back moves the arms away from the pelvis. That the pelvis goes on is left
-        out: hands that press against something would push it over.
-        """
-        plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
-        q, v = np.split(np.array(state), [plant.num_positions()])
-        q[indices.q] += self.PERIOD * v[indices.v]
-        return q
-
-    def _effort(self, context: Context, goals: Sequence[HandGoal]) -> np.ndarray:
-        """Computes the efforts that hold the arms and exert the goals' forces."""
-        plant, indices = self._robot.plant, self._robot.indices(self._robot.plant)
-        world = plant.world_frame()
-        com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
-            context, JacobianWrtVariable.kV, world, world
-        )
-        effort = GRAVITY * self._robot.mass * com[2]
-        for goal in goals:
-            J = palm_jacobian(self._robot, context, goal)
-            X_WF = frame_of(self._robot, goal).CalcPoseInWorld(context)
-            effort = effort + J.T @ (X_WF.rotation() @ np.array(goal.force))
-        return np.asarray(effort[indices.v])

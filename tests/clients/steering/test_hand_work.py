@@ -111,7 +111,7 @@ def test_the_whole_body_brings_a_hand_where_its_arm_does_not_reach(place):
 
 def test_what_the_whole_body_does_not_reach_is_refused_and_nothing_moves():
     sim = AtlasSimulation()
-    with pytest.raises(InvalidMessageError, match=r"cannot reach it; the nearest"):
+    with pytest.raises(InvalidMessageError, match=r"cannot reach it, .* the nearest"):
         HandWork(sim).bend([HandGoal("l_hand", [0.3, 0.3, 0.1])])
     sim.advance(0.1)
     assert sim.current_behavior is Behavior.STAND

@@ -1,0 +1,78 @@
+"""Arms move so that hands follow their goals on a body that moves."""
+
+import numpy as np
+import pytest
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from atlas_drake import HandGoal
+from atlas_drake.planning.arm_speed import arm_speed
+from atlas_drake.planning.reach import context_of, frame_of, palm_of, reach
+from atlas_drake.robot import load_robot
+
+PLACE, LATER, SOON = [0.35, 0.35, 0.2], [0.36, 0.35, 0.19], 0.1
+"""Of the left palm from the pelvis [m], and after this time [s]."""
+AHEAD = [1.0, 0.0, 0.0]
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("atlas")
+
+
+def spatial_velocity(robot, state, goal):
+    """Returns the palm's [rad/s, m/s] in the goal's frame, shape (6,)."""
+    plant = robot.plant
+    J = plant.CalcJacobianSpatialVelocity(
+        context_of(robot, state),
+        JacobianWrtVariable.kV,
+        plant.GetFrameByName(goal.hand),
+        palm_of(robot, goal),
+        frame_of(robot, goal),
+        frame_of(robot, goal),
+    )
+    return J @ state[plant.num_positions() :]
+
+
+@pytest.mark.parametrize("frame", ["pelvis", "world"])
+def test_the_palm_moves_as_its_goal_while_the_body_moves(robot, frame):
+    """Also the arms have speeds before: those do not count."""
+    plant, rng = robot.plant, np.random.default_rng(3)
+    q = plant.GetPositions(robot.standing_context())
+    q[robot.indices(plant).q] = reach(
+        robot, q, [HandGoal("l_hand", PLACE, AHEAD, frame="pelvis")]
+    ).joints
+    state = np.concatenate([q, rng.uniform(-0.3, 0.3, plant.num_velocities())])
+    X_PF = frame_of(robot, HandGoal("l_hand", PLACE, frame="pelvis")).CalcPose(
+        context_of(robot, q), frame_of(robot, HandGoal("l_hand", PLACE, frame=frame))
+    )
+    goals = [
+        [HandGoal("l_hand", X_PF @ np.array(p), X_PF.rotation() @ AHEAD, frame=frame)]
+        for p in (PLACE, LATER)
+    ]
+    speed = arm_speed(robot, state, *goals, SOON)
+    arm = robot.limb("l_arm")
+    assert not speed[~arm].any()
+    followed = state.copy()
+    followed[plant.num_positions() + robot.indices(plant).v[arm]] = speed[arm]
+    [[goal], [later]] = goals
+    velocity = spatial_velocity(robot, followed, goal)
+    expected = (np.array(later.position) - np.array(goal.position)) / SOON
+    np.testing.assert_allclose(velocity[3:], expected, atol=0.01)
+    # The hand keeps pointing where it has to; about that axis it may turn.
+    across = velocity[:3] - (velocity[:3] @ goal.direction) * np.array(goal.direction)
+    before = spatial_velocity(robot, state, goal)[:3]
+    assert np.linalg.norm(across) < 0.5 * np.linalg.norm(before)
+
+
+def test_a_stretched_arm_stays_slow(robot):
+    plant = robot.plant
+    q = plant.GetPositions(robot.standing_context())
+    far = HandGoal("l_hand", [2.0, 0.6, 0.4], frame="pelvis")
+    found = reach(robot, q, [far])
+    q[robot.indices(plant).q] = found.joints
+    state = np.concatenate([q, np.zeros(plant.num_velocities())])
+    goal = HandGoal("l_hand", found.positions[0], frame="pelvis")
+    outward = found.positions[0] * (1.0 + 0.01 / np.linalg.norm(found.positions[0]))
+    later = HandGoal("l_hand", outward, frame="pelvis")
+    speed = arm_speed(robot, state, [goal], [later], 0.1)
+    assert np.abs(speed).max() < 2.0
