@@ -52,9 +52,10 @@ _ITERATIONS = 60
 changes from step to step, it may go on for seconds and gains nothing."""
 HELD = 0.9
 """Largest share of a joint's effort that it takes to hold an arm where a hand goes."""
-_FREE = 0.05
-"""Distance of an arm's joints to their stops [rad]: an elbow that is straight at its
-stop is at a saddle, where no step bends it."""
+_FREE = 0.02
+"""Distance of an arm's joints to their stops where it is open how the hand is turned
+[rad]: an elbow that is straight at its stop is at a saddle, where no step bends it. A
+hand that is turned needs all that its wrist has, and its turn bends the elbow."""
 _SMALL = 1e-6
 """Step of a joint for a difference [rad]."""
 _CLOSE = 1e-3
@@ -213,9 +214,11 @@ def reach(
     fixed = np.setdiff1d(np.arange(len(q)), moving)
     lowest, highest = robot.position_lower[limbs], robot.position_upper[limbs]
     q[moving] = np.clip(q[moving], lowest, highest)
-    # Who is nearer to a stop may stay there.
-    lowest = np.minimum(lowest + _FREE, q[moving])
-    highest = np.maximum(highest - _FREE, q[moving])
+    open_turn = [g for g in goals if g.direction is None and g.orientation is None]
+    margin = _FREE * arms_of(robot, open_turn)[limbs]
+    # A joint that is nearer to its stop may stay there.
+    lowest = np.minimum(lowest + margin, q[moving])
+    highest = np.maximum(highest - margin, q[moving])
     lower = np.maximum(lowest, q[moving] - within)
     upper = np.minimum(highest, q[moving] + within)
     kinematics = kinematics_of(robot, state, limbs)
