@@ -1,7 +1,7 @@
 """How fast the joints of arms have to move so that hands follow their goals.
 
 Resolved motion rate control, D. E. Whitney 1969: of the joints as they are, and of a
-body that moves under them.
+trunk that moves under them.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ def arm_speed(
     """Computes the speeds of the arms with which hands follow their goals.
 
     Least squares with the weights of a search's step: nearly straight arms stay slow.
+    That the pelvis moves in W is left out: hands that press against something would
+    push it over.
 
     Args:
         robot: The robot.
@@ -59,8 +61,8 @@ def arm_speed(
             frame,
             frame,
         )
-        J_arm, others = J[:, v_indices[arm]], v.copy()
-        others[v_indices[arm]] = 0.0
+        J_arm, others = J[:, v_indices[arm]], np.zeros(len(v))
+        others[v_indices[~arm]] = v[v_indices[~arm]]
         wanted = _rate(goal, then, duration) - J @ others
         weights = _weights(goal)
         damped = J_arm.T @ weights @ J_arm + STEP * np.eye(J_arm.shape[1])
