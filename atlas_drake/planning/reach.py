@@ -39,18 +39,18 @@ SOFTEST, STIFFEST = 1.0, 1e5
 NEARNESS, ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
+
 STEP = 1.0
 """The weight of a joint's way where the search is a step of a motion [1/rad²]: least
 squares damped by 1 cm/rad. An arm that is nearly straight is not thrown about by each
 jolt of the trunk. Y. Nakamura and H. Hanafusa, "Inverse kinematic solutions with
 singularity robustness for robot manipulator control", J. Dyn. Sys. 1986."""
-
 _WATCHED = 0.03
 """Distance of two links from which the search keeps them apart [m]."""
 _ITERATIONS = 60
 """Largest number of steps of a search: where the nearest of several pairs of links
 changes from step to step, it may go on for seconds and gains nothing."""
-HELD = 0.9
+_HELD = 0.9
 """Largest share of a joint's effort that it takes to hold an arm where a hand goes."""
 _FREE = 0.02
 """Distance of an arm's joints to their stops where it is open how the hand is turned
@@ -351,7 +351,7 @@ def add_holding(
     if not goals:
         return
     context, arms = context_of(robot, q), arms_of(robot, goals)
-    q, most = q.copy(), np.full(arms.sum(), HELD)
+    q, most = q.copy(), np.full(arms.sum(), _HELD)
 
     def shares(at: np.ndarray) -> np.ndarray:
         q[moving] = at
