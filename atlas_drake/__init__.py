@@ -37,7 +37,8 @@ if TYPE_CHECKING:
         steps_to,
         steps_turning,
     )
-    from atlas_drake.planning.reach import HandGoal, reach
+    from atlas_drake.planning.hand_goal import HandGoal
+    from atlas_drake.planning.reach import reach
     from atlas_drake.planning.walk_at import (
         nearest_velocity,
         stop_walking,
@@ -88,7 +89,7 @@ _LAZY = {
     "steps_turning": "atlas_drake.planning.footstep_planner",
     "nearest_velocity": "atlas_drake.planning.walk_at",
     "stop_walking": "atlas_drake.planning.walk_at",
-    "HandGoal": "atlas_drake.planning.reach",
+    "HandGoal": "atlas_drake.planning.hand_goal",
     "HandMotion": "atlas_drake.clients.steering.hand_motion",
     "HandWork": "atlas_drake.clients.steering.hand_work",
     "reach": "atlas_drake.planning.reach",

@@ -11,16 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from atlas_drake.planning.reach import (
-    ANGLE,
-    NEARNESS,
-    STEP,
-    HandGoal,
-    arms_of,
-    context_of,
-    frame_of,
-    palm_of,
-)
+from atlas_drake.planning.hand_goal import HandGoal
+from atlas_drake.planning.palms import arms_of, context_of, frame_of, palm_of
+from atlas_drake.planning.reach import ANGLE, NEARNESS, STEP
 from atlas_drake.robot import Robot
 
 

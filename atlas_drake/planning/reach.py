@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.autodiffutils import (
@@ -18,24 +18,25 @@ from pydrake.autodiffutils import (
     ExtractValue,
     InitializeAutoDiff,
 )
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
-from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.solvers import SnoptSolver, SolverOptions
-from pydrake.systems.framework import Context
 
-from atlas_drake.control.feet.curves import quintic_progress
-from atlas_drake.errors import InvalidMessageError, did_you_mean
-from atlas_drake.messages.checks import check_number, check_vector
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.planning.hand_goal import HandGoal
+from atlas_drake.planning.palms import (
+    arms_of,
+    context_of,
+    frame_of,
+    holding_effort,
+    palm_of,
+    positions_at,
+)
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
-from atlas_drake.units import GRAVITY
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
-SOFTEST, STIFFEST = 1.0, 1e5
-"""Range of the stiffness of a palm's hold [N/m]."""
 NEARNESS, ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
@@ -60,83 +61,6 @@ _SMALL = 1e-6
 """Step of a joint for a difference [rad]."""
 _CLOSE = 1e-3
 """Violation of a constraint up to which a pose counts as possible."""
-
-_UNIT = 1e-3
-"""Largest difference of a quaternion's length from 1."""
-
-
-@dataclass(frozen=True)
-class HandGoal:
-    """Where the palm of a hand has to be, and how the hand has to be turned there.
-
-    Attributes:
-        hand: Body of the hand, of those in the robot's file.
-        position: Goal of the palm [m], shape (3,).
-        direction: Where the hand has to point, shape (3,); None leaves it open.
-        force: What the hand exerts there, for a load its weight upward [N], shape (3,).
-        frame: Body of the robot in whose frame position, direction, force and
-            orientation are given, and with which they move; ``trunk`` is the chest's
-            link on every robot, ``world`` stands for W.
-        orientation: How the body's frame has to be turned, a unit quaternion
-            [w, x, y, z], in place of a direction; None leaves it open.
-        palm: Another point than the robot's palm, in the body's frame [m], shape (3,).
-            The hand points from the body's origin there.
-        stiffness: Of the palm's hold in its softest direction, at least 1 [N/m]; None,
-            or more than the arm can give, for as stiff as it can.
-    """
-
-    hand: str
-    position: Sequence[float]
-    direction: Sequence[float] | None = None
-    force: Sequence[float] = (0.0, 0.0, 0.0)
-    frame: str = "world"
-    orientation: Sequence[float] | None = None
-    palm: Sequence[float] | None = None
-    stiffness: float | None = None
-
-    def __post_init__(self) -> None:
-        """Checks the numbers: Drake would end the process at NaN."""
-        if self.stiffness is not None:
-            check_number(self.stiffness, "stiffness", SOFTEST, STIFFEST)
-        for name in ("position", "direction", "force", "orientation", "palm"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            numbers = check_vector(value, name, 4 if name == "orientation" else 3)
-            if name in ("direction", "palm") and not numbers.any():
-                problem = "must not be zero: the hand points nowhere"
-                raise InvalidMessageError(name, value, problem)
-            if name == "orientation" and abs(np.linalg.norm(numbers) - 1.0) > _UNIT:
-                raise InvalidMessageError(name, value, "must be of length 1")
-        if self.direction is not None and self.orientation is not None:
-            problem = "a direction is given as well: the hand is turned by one of them"
-            raise InvalidMessageError("orientation", self.orientation, problem)
-
-    @property
-    def rotation(self) -> RotationMatrix:
-        """The orientation as a matrix."""
-        wxyz = np.array(self.orientation)
-        return RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
-
-    def in_world(self, X_WF: RigidTransform) -> HandGoal:
-        """Returns the same goal in W, where its frame is now.
-
-        Args:
-            X_WF: Pose of its frame.
-        """
-        R_WF, direction, orientation = X_WF.rotation(), self.direction, self.orientation
-        if direction is not None:
-            direction = R_WF @ np.array(direction)
-        if orientation is not None:
-            orientation = (R_WF @ self.rotation).ToQuaternion().wxyz()
-        return replace(
-            self,
-            position=X_WF @ np.array(self.position),
-            direction=direction,
-            force=R_WF @ np.array(self.force),
-            frame="world",
-            orientation=orientation,
-        )
 
 
 @dataclass(frozen=True)
@@ -247,39 +171,6 @@ def reach(
     return reached(robot, q, goals)
 
 
-def positions_at(robot: Robot, state: np.ndarray) -> np.ndarray:
-    """Returns the positions of the robot's own plant, with a quaternion of length 1.
-
-    Args:
-        robot: The robot.
-        state: Positions of the robot, in the order of its plant, velocities may follow.
-    """
-    plant = robot.plant
-    q = np.array(state[: plant.num_positions()])
-    # Integration leaves a quaternion of not quite length 1, which no solution has.
-    turned = robot.indices(plant).pelvis.orientation
-    q[turned] /= np.linalg.norm(q[turned])
-    return q
-
-
-def context_of(
-    robot: Robot, state: np.ndarray, joints: np.ndarray | None = None
-) -> Context:
-    """Creates a Context of the robot's own plant.
-
-    Args:
-        robot: The robot.
-        state: Positions of the robot, in the order of its plant, velocities may follow.
-        joints: Joint positions in place of those [rad], shape (n,), message order.
-    """
-    plant, q = robot.plant, positions_at(robot, state)
-    if joints is not None:
-        q[robot.indices(plant).q] = joints
-    context = plant.CreateDefaultContext()
-    plant.SetPositions(context, q)
-    return context
-
-
 def kinematics_of(
     robot: Robot, state: np.ndarray, moving: np.ndarray
 ) -> InverseKinematics:
@@ -371,31 +262,6 @@ def add_holding(
     kinematics.prog().AddConstraint(with_gradient, -most, most, variables)
 
 
-def holding_effort(
-    robot: Robot, context: Context, goals: Sequence[HandGoal]
-) -> np.ndarray:
-    """Computes the efforts that hold the robot's limbs and exert the goals' forces.
-
-    Args:
-        robot: The robot.
-        context: Of the robot's own plant.
-        goals: At most one for each hand.
-
-    Returns:
-        [N·m], shape (n,), message order; right for limbs that touch nothing else.
-    """
-    plant, world = robot.plant, robot.plant.world_frame()
-    com = plant.CalcJacobianCenterOfMassTranslationalVelocity(
-        context, JacobianWrtVariable.kV, world, world
-    )
-    effort = GRAVITY * robot.mass * com[2]
-    for goal in goals:
-        X_WF = frame_of(robot, goal).CalcPoseInWorld(context)
-        force = X_WF.rotation() @ np.array(goal.force)
-        effort = effort + palm_jacobian(robot, context, goal).T @ force
-    return np.asarray(effort[robot.indices(plant).v])
-
-
 def reached(robot: Robot, q: np.ndarray, goals: Sequence[HandGoal]) -> Reach:
     """Computes what hands reach of their goals in a pose.
 
@@ -422,127 +288,3 @@ def _angle_off(goal: HandGoal, R_FH: RotationMatrix, palm: np.ndarray) -> float:
         return 0.0
     way, wanted = R_FH @ palm, np.array(goal.direction)
     return math.atan2(float(np.linalg.norm(np.cross(way, wanted))), float(way @ wanted))
-
-
-def goal_between(start: HandGoal, end: HandGoal, share: float) -> HandGoal:
-    """Returns the goal on a straight way, with the least jerk from rest to rest.
-
-    T. Flash and N. Hogan, "The coordination of arm movements", J. Neurosci. 1985.
-
-    Args:
-        start: Where the way begins, in the frame of its end.
-        end: Where it ends.
-        share: Share of the time that has passed, 0 to 1.
-    """
-    progress, _, _ = quintic_progress(share)
-
-    def between(start: Sequence[float], end: Sequence[float]) -> list[float]:
-        way: list[float] = (
-            np.array(start) + progress * (np.array(end) - np.array(start))
-        ).tolist()
-        return way
-
-    direction = end.direction
-    if start.direction is not None and direction is not None:
-        direction = between(start.direction, direction)
-    return replace(
-        end,
-        position=between(start.position, end.position),
-        direction=direction,
-        force=between(start.force, end.force),
-        orientation=_turned(start, end, progress),
-    )
-
-
-def _turned(start: HandGoal, end: HandGoal, progress: float) -> list[float] | None:
-    if end.orientation is None:
-        return None
-    first = start.rotation.ToQuaternion()
-    between = first.slerp(progress, end.rotation.ToQuaternion())
-    wxyz: list[float] = between.wxyz().tolist()
-    return wxyz
-
-
-def arms_of(robot: Robot, goals: Sequence[HandGoal]) -> np.ndarray:
-    """Returns which joints are of the arms whose hands have a goal, bool, shape (n,).
-
-    Args:
-        robot: The robot.
-        goals: At most one for each hand.
-
-    Raises:
-        InvalidMessageError: If the robot has no such hand, or one has two goals.
-    """
-    names = [goal.hand for goal in goals]
-    for hand in names:
-        if hand not in robot.arms:
-            known = ", ".join(robot.arms) or "none"
-            problem = f"{robot.name} has no such hand; its hands are {known}"
-            raise InvalidMessageError("hand", hand, problem)
-    if len(set(names)) < len(names):
-        raise InvalidMessageError("hand", names, "a hand has one goal at a time")
-    return robot.limb(*(robot.arms[hand] for hand in names))
-
-
-def palm_of(robot: Robot, goal: HandGoal) -> np.ndarray:
-    """Returns the point of a hand that has a goal, in the body's frame [m].
-
-    Args:
-        robot: The robot.
-        goal: The goal, of one of the robot's hands.
-    """
-    return np.array(robot.palms[goal.hand] if goal.palm is None else goal.palm)
-
-
-def palm_jacobian(robot: Robot, context: Context, goal: HandGoal) -> np.ndarray:
-    """Computes J of a palm's velocity in W, shape (3, number of velocities).
-
-    Args:
-        robot: The robot.
-        context: Of the robot's own plant.
-        goal: The goal, of one of the robot's hands.
-    """
-    plant, world = robot.plant, robot.plant.world_frame()
-    hand, palm = plant.GetFrameByName(goal.hand), palm_of(robot, goal)
-    J: np.ndarray = plant.CalcJacobianTranslationalVelocity(
-        context, JacobianWrtVariable.kV, hand, palm, world, world
-    )
-    return J
-
-
-def palm_stiffness(
-    robot: Robot, context: Context, goal: HandGoal, kp: np.ndarray
-) -> float:
-    """Computes how stiffly joints hold a palm in its softest direction [N/m].
-
-    A force F moves the palm by J K⁻¹ Jᵀ F: J. K. Salisbury, "Active stiffness control
-    of a manipulator in Cartesian coordinates", CDC 1980.
-
-    Args:
-        robot: The robot.
-        context: Of the robot's own plant.
-        goal: The goal, of one of the robot's hands.
-        kp: Stiffness of the joints [N·m/rad], shape (n,), message order.
-    """
-    arm = arms_of(robot, [goal])
-    J = palm_jacobian(robot, context, goal)[:, robot.indices(robot.plant).v[arm]]
-    return float(1.0 / np.linalg.eigvalsh((J / kp[arm]) @ J.T).max())
-
-
-def frame_of(robot: Robot, goal: HandGoal) -> Frame:
-    """Returns the frame in which a goal is given, of the robot's own plant.
-
-    Args:
-        robot: The robot.
-        goal: The goal.
-
-    Raises:
-        InvalidMessageError: If the robot has no such body.
-    """
-    plant, name = robot.plant, robot.pushed_link(goal.frame)
-    if not plant.HasFrameNamed(name):
-        own = plant.GetBodyIndices(robot.instance(plant))
-        bodies = [plant.get_body(index).name() for index in own]
-        problem = f"{robot.name} has no such body.{did_you_mean(name, bodies)}"
-        raise InvalidMessageError("frame", goal.frame, problem)
-    return plant.GetFrameByName(name)

@@ -21,13 +21,13 @@ from pydrake.solvers import SnoptSolver
 
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import AtlasBehaviorPelvisServoParams
+from atlas_drake.planning.hand_goal import HandGoal
+from atlas_drake.planning.palms import arms_of
 from atlas_drake.planning.reach import (
     POSTURE,
-    HandGoal,
     Reach,
     add_costs,
     add_holding,
-    arms_of,
     kinematics_of,
     reached,
 )

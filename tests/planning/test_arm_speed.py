@@ -6,7 +6,8 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from atlas_drake import HandGoal
 from atlas_drake.planning.arm_speed import arm_speed
-from atlas_drake.planning.reach import context_of, frame_of, palm_of, reach
+from atlas_drake.planning.palms import context_of, frame_of, palm_of
+from atlas_drake.planning.reach import reach
 from atlas_drake.robot import load_robot
 
 PLACE, LATER, SOON = [0.35, 0.35, 0.2], [0.36, 0.35, 0.19], 0.1

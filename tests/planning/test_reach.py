@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import HandGoal, InvalidMessageError, reach
-from atlas_drake.planning.reach import context_of
+from atlas_drake.planning.palms import context_of
 from atlas_drake.robot import load_robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
 

@@ -12,14 +12,9 @@ from pydrake.math import RigidTransform
 from atlas_drake.clients.steering.hand_motion import HandMotion
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.messages import AtlasCommand
-from atlas_drake.planning.reach import (
-    TOLERANCE,
-    HandGoal,
-    arms_of,
-    context_of,
-    palm_of,
-    reach,
-)
+from atlas_drake.planning.hand_goal import HandGoal
+from atlas_drake.planning.palms import arms_of, context_of, palm_of
+from atlas_drake.planning.reach import TOLERANCE, reach
 from atlas_drake.simulation import AtlasSimulation
 
 SPEED, TURNING = 0.25, 0.8

@@ -16,18 +16,16 @@ from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.planning.arm_speed import arm_speed
-from atlas_drake.planning.reach import (
-    HandGoal,
-    Reach,
+from atlas_drake.planning.hand_goal import HandGoal, goal_between
+from atlas_drake.planning.palms import (
     arms_of,
     context_of,
     frame_of,
-    goal_between,
     holding_effort,
     palm_of,
     palm_stiffness,
-    reach,
 )
+from atlas_drake.planning.reach import Reach, reach
 from atlas_drake.robot import TRUNK, Robot
 
 STIFFNESS, DAMPING = 2000.0, 80.0

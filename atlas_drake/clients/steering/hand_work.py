@@ -17,7 +17,8 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.planning.footstep_planner import steps_to
-from atlas_drake.planning.reach import HandGoal, Reach
+from atlas_drake.planning.hand_goal import HandGoal
+from atlas_drake.planning.reach import Reach
 from atlas_drake.planning.whole_body_reach import whole_body_reach
 from atlas_drake.simulation.atlas_simulation import AtlasSimulation
 
