@@ -261,8 +261,8 @@ class Walker(LeafSystem):
         return [
             wb.OrientationTask.tracking(terms, frame, R_WD, GAINS.orientation, weight)
             for frame, weight in (
-                (robot.pelvis, weights.pelvis_orientation),
-                (robot.chest, weights.chest_orientation),
+                (robot.pelvis, weights.pelvis_tilt),
+                (robot.chest, weights.chest_tilt),
             )
         ]
 

@@ -124,8 +124,12 @@ class Balance:
         self._swing_weight = np.repeat(
             [weights.swing_foot_orientation, weights.swing_foot_position], 3
         )
-        self._chest_weight = np.full(3, weights.chest_orientation)
-        self._pelvis_weight = np.full(3, weights.pelvis_orientation)
+        self._lowering_weight = self._swing_weight.copy()
+        self._lowering_weight[5] = weights.swing_foot_lowering
+        tilt, yaw = weights.chest_tilt, weights.chest_yaw
+        self._chest_weight = np.array([tilt, tilt, yaw])
+        tilt, yaw = weights.pelvis_tilt, weights.pelvis_yaw
+        self._pelvis_weight = np.array([tilt, tilt, yaw])
         self._moment_weight = np.full(2, weights.moment)
         self._com_weight = np.array([weights.com, weights.com, weights.com_height])
         self._com_weight_quick = np.array(
@@ -432,9 +436,11 @@ class Balance:
         self, observation: Observation, foot: int, reference: SoleMotion
     ) -> FootCommand:
         """Commands a foot in the air to follow ``reference``."""
+        task = self._following(observation, foot, reference, self._swing_weight)
+        if task.target[5] < 0.0:
+            task = replace(task, weight=self._lowering_weight)
         return FootCommand(
-            self._following(observation, foot, reference, self._swing_weight),
-            acceleration=np.concatenate([reference.alpha_WF, reference.a_WF]),
+            task, acceleration=np.concatenate([reference.alpha_WF, reference.a_WF])
         )
 
     def toeing_off(

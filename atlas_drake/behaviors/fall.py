@@ -17,7 +17,7 @@ from atlas_drake.units import Radians
 class FallLimits(Configuration):
     """Limits of the posture beyond which the robot counts as falling."""
 
-    tilt: NotNegative[Radians] = 0.8
+    tilt: NotNegative[Radians] = 1.0
     """Angle of the pelvis' z axis from the vertical."""
     height: Share = 0.6
     """Height of the CoM above the lower sole, relative to the nominal height."""

@@ -54,17 +54,25 @@ class QpWeights(Configuration):
     moment: NotNegative[PerAccelerationSquared] = 1700.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""
-    pelvis_orientation: NotNegative[PerAngularAccelerationSquared] = 4.0
-    """Orientation of the pelvis."""
-    chest_orientation: NotNegative[PerAngularAccelerationSquared] = 0.2
-    """Orientation of the chest."""
+    pelvis_tilt: NotNegative[PerAngularAccelerationSquared] = 4.0
+    """Roll and pitch of the pelvis."""
+    pelvis_yaw: NotNegative[PerAngularAccelerationSquared] = 0.8
+    """Heading of the pelvis. Far below its tilt: a punch on an arm spins the robot, and
+    legs that stop the spin at once do not step."""
+    chest_tilt: NotNegative[PerAngularAccelerationSquared] = 0.2
+    """Roll and pitch of the chest."""
+    chest_yaw: NotNegative[PerAngularAccelerationSquared] = 0.03
+    """Heading of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
     """Stance feet keep still."""
     swing_foot_position: NotNegative[PerAccelerationSquared] = 26.0
     """Position of the swing foot. Far below the weight of the CoM's height: a high
     swing begins with an almost straight knee, and a heavier foot lifts off with the
     pelvis, which throws the robot up and ahead."""
-    swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 15.0
+    swing_foot_lowering: NotNegative[PerAccelerationSquared] = 52.0
+    """Height of a swing foot that is accelerated downward: a leg that rights the trunk
+    instead lands late, and the DCM runs away."""
+    swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 10.0
     """Orientation of the swing foot."""
     contact_force: Positive[PerNewtonSquared] = 1e-6
     """Contact forces: spreads the load over the feet."""
@@ -105,13 +113,13 @@ class ContactModel(Configuration):
     with room for the solver's tolerance."""
     yaw_moment_arm: NotNegative[Meters] = 0.05
     """Greatest moment about the normal, as a lever arm of the friction force."""
-    unloaded_share: Positive[Ratio] = 0.1
+    unloaded_share: Positive[Ratio] = 0.15
     """Normal force that the QP may count on below a planted sole on which no force is
     measured, in weights of the robot. Efforts that count on a ground that is not there
     spin the light foot by tens of rad/s within a few ticks."""
-    load_growth: Positive[Ratio] = 1.5
+    load_growth: Positive[Ratio] = 2.5
     """Normal force that the QP may count on beyond that, relative to the measured one:
-    a sole is trusted with the full weight after four ticks."""
+    a sole is trusted with the full weight after three ticks."""
     pressed: NotNegative[Meters] = 0.045
     """Depth below its ground toward which a planted sole moves that carries next to
     nothing."""

@@ -52,7 +52,7 @@ def test_each_value_scales_as_its_unit_says():
         (lambda c: c.gains.com_height.kp, 4),
         (lambda c: c.gains.com_height.kd, 2),
         (lambda c: c.gains.weights.com, 1),
-        (lambda c: c.gains.weights.pelvis_orientation, 1 / 16),
+        (lambda c: c.gains.weights.pelvis_tilt, 1 / 16),
         (lambda c: c.gains.weights.contact_force, 64),
         (lambda c: c.stance.balance_effort, 1 / 32),
         # In the unit of its coordinates: metres of height, radians of turns.

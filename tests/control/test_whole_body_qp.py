@@ -72,8 +72,8 @@ def command_for(robot, contacts, random=None, scale=1.0, weights=WEIGHTS):
     if contacts:
         force = weights.internal_contact_force
         tasks += [
-            OrientationTask(robot.file.chest, chest, weights.chest_orientation),
-            OrientationTask(robot.file.pelvis, pelvis, weights.pelvis_orientation),
+            OrientationTask(robot.file.chest, chest, weights.chest_tilt),
+            OrientationTask(robot.file.pelvis, pelvis, weights.pelvis_tilt),
             MomentTask(point, weights.moment),
             ComTask(com, np.array([weights.com, weights.com, weights.com_height])),
             InternalContactTask(

@@ -17,14 +17,14 @@ def test_a_fall_is_detected_once_is_in_a_clone_and_ends_with_a_reset(robot):
     fall = station.GetOutputPort("fall")
     simulator.AdvanceTo(0.01)
     assert fall.Eval(root) is NOTHING
-    tilted = RigidTransform(RollPitchYaw(0.0, 0.85, 0.0), [0.0, 0.0, 2.0])
+    tilted = RigidTransform(RollPitchYaw(0.0, 1.05, 0.0), [0.0, 0.0, 2.0])
     plant.SetFloatingBaseBodyPoseInWorldFrame(
         plant.GetMyMutableContextFromRoot(root), plant.GetBodyByName("pelvis"), tilted
     )
     simulator.AdvanceTo(0.04)
     first = fall.Eval(root)
     assert first.time == 2 * Scenario().resolved().on_time_grid().control_period
-    assert first.sign == "pelvis tilted by 0.85 rad"
+    assert first.sign == "pelvis tilted by 1.05 rad"
     simulator.AdvanceTo(0.08)
     assert fall.Eval(root) is fall.Eval(root.Clone()) is first
     reset_station(station, root, Behavior.USER)

@@ -48,9 +48,9 @@ class StepAdjustmentLimits(Configuration):
     stretch: NotNegative[Meters] = 0.20
     """Distance by which a step for balance may exceed the limits of commanded steps
     ahead, back and outward."""
-    reach: Positive[Meters] = 0.70
+    reach: Positive[Meters] = 0.74
     """Largest distance between the feet after a step for balance."""
-    clearance: NotNegative[Meters] = 0.02
+    clearance: NotNegative[Meters] = 0.012
     """Least gap between the soles after a step for balance."""
     crossing: NotNegative[Meters] = 0.14
     """Distance beyond the line of the stance foot to which a foot may land ahead of it
@@ -60,7 +60,7 @@ class StepAdjustmentLimits(Configuration):
     shortest_swing: Positive[Seconds] = 0.20
     """Duration of the fastest swing that balance may demand. A swing that has begun
     slower takes the same share of it for the rest of its path."""
-    foot_speed: Positive[MetersPerSecond] = 3.0
+    foot_speed: Positive[MetersPerSecond] = 2.6
     """Largest mean horizontal speed of a foot in a hastened swing."""
     haste_cost: NotNegative[MetersPerSecond] = 0.1
     """Distance out of reach that is accepted for each second that the swing is not
