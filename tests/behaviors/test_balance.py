@@ -194,75 +194,31 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     assert [task.frame for task in command.tasks[:2]] == soles
 
 
-def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
-    balance, model, observe, robot
-):
-    """A high swing begins with an almost straight knee."""
-    plant, right = model.plant, 1
-    leg = robot.legs[right]
-    indices = robot.indices(plant)
-    q = robot.stand_prep.copy()
-    bend = 0.15 + leg.straight - q[leg.knee]
-    q[leg.knee] += bend
-    for name in ("r_leg_hpy", "r_leg_aky"):
-        q[robot.joint_names.index(name)] -= 0.5 * bend
-    state = np.zeros(model.num_states)
-    state[0] = 1.0
-    state[indices.q] = q
-    terms = model.evaluate(model.create_context(), state)
-    carried = np.array([balance.weight, 0.0])
-    seen = replace(observe(), terms=terms, foot_force=carried)
-    foot = terms.feet[right]
-    rising = SoleMotion(
-        p_WF=foot.p_WF,
-        v_WF=np.zeros(3),
-        a_WF=np.array([0.0, 0.0, 40.0]),
-        R_WF=foot.R_WF,
-        w_WF=np.zeros(3),
-        alpha_WF=np.zeros(3),
-    )
-    feet = balance.in_contact(seen, 0), balance.swinging(seen, right, rising)
-    stance = terms.feet[0].p_WF[:2]
-    reference = DcmReference(terms.com[:2], stance)
-    command = balance.command(
-        seen,
-        capture_body(terms),
-        reference,
-        OMEGA,
-        balance.support(seen.foot_pose(0)),
-        feet,
-    )
-    bounds = EffortBounds(
-        -robot.effort_limit, robot.effort_limit, np.zeros(robot.num_joints, dtype=bool)
-    )
-    solution = WholeBodyQp(robot, balance.gains).solve(terms, command, bounds)
-    pushed = solution.contact_wrenches[robot.file.feet[0].sole_frame][5]
-    assert solution.found
-    assert pushed < 1.5 * balance.weight
-
-
 @pytest.fixture
-def lowered_foot(balance, model, observe, robot):
-    """Acceleration of a foot in the air that is asked down while the body turns."""
+def on_one_leg(balance, model, observe, robot):
+    """Solves for a robot on its left leg; the right foot is asked up or down.
+
+    Its knee is bent by an angle [rad] from the stand-prep pose, and the body turns with
+    ``w_WP`` [rad/s]. Returns the acceleration of the foot, and the force on the sole.
+    """
     left, right = 0, 1
     indices, leg = robot.indices(model.plant), robot.legs[right]
-    q = robot.stand_prep.copy()
-    q[leg.knee] += 0.3
-    for name in ("r_leg_hpy", "r_leg_aky"):
-        q[robot.joint_names.index(name)] -= 0.15
 
-    def of(w_WP, asked):
+    def solve(bend, asked, w_WP=(0.0, 0.0, 0.0)):
+        q = robot.stand_prep.copy()
+        q[leg.knee] += bend
+        for name in ("r_leg_hpy", "r_leg_aky"):
+            q[robot.joint_names.index(name)] -= 0.5 * bend
         state = np.zeros(model.num_states)
         state[0] = 1.0
         state[indices.q] = q
-        num_positions = model.plant.num_positions()
-        state[num_positions : num_positions + 3] = w_WP
+        velocity = model.plant.num_positions()
+        state[velocity : velocity + 3] = w_WP
         terms = model.evaluate(model.create_context(), state)
         stance, foot = terms.feet
-        seen = replace(
-            observe(), terms=terms, foot_force=np.array([balance.weight, 0.0])
-        )
-        down = SoleMotion(
+        carried = np.array([balance.weight, 0.0])
+        seen = replace(observe(), terms=terms, foot_force=carried)
+        moved = SoleMotion(
             p_WF=foot.p_WF,
             v_WF=foot.V_WF[3:],
             a_WF=np.array([0.0, 0.0, asked]),
@@ -270,7 +226,7 @@ def lowered_foot(balance, model, observe, robot):
             w_WF=foot.V_WF[:3],
             alpha_WF=np.zeros(3),
         )
-        feet = balance.in_contact(seen, left), balance.swinging(seen, right, down)
+        feet = balance.in_contact(seen, left), balance.swinging(seen, right, moved)
         command = balance.command(
             seen,
             capture_body(terms),
@@ -287,18 +243,31 @@ def lowered_foot(balance, model, observe, robot):
         joints = solution.joint_acceleration
         rest = feet[left].task.target - stance.J_WF[:, 6:] @ joints - stance.bias
         pelvis = np.linalg.solve(stance.J_WF[:, :6], rest)
-        return foot.J_WF @ np.concatenate([pelvis, joints]) + foot.bias
+        acceleration = foot.J_WF @ np.concatenate([pelvis, joints]) + foot.bias
+        sole = robot.file.feet[left].sole_frame
+        return acceleration, solution.contact_wrenches[sole][5]
 
-    return of
+    return solve
 
 
-def test_a_foot_comes_down_although_the_trunk_is_righted(lowered_foot):
+def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
+    balance, robot, on_one_leg
+):
+    """A high swing begins with an almost straight knee."""
+    leg = robot.legs[1]
+    bend = 0.15 + leg.straight - robot.stand_prep[leg.knee]
+    _, pushed = on_one_leg(bend, 40.0)
+    assert pushed < 1.5 * balance.weight
+
+
+def test_a_foot_comes_down_although_the_trunk_is_righted(on_one_leg):
     """A swing leg that rights the trunk lands late, and the DCM runs away."""
     asked = -40.0
-    assert lowered_foot([3.0, 0.0, 0.0], asked)[5] < 0.5 * asked
+    acceleration, _ = on_one_leg(0.3, asked, w_WP=[3.0, 0.0, 0.0])
+    assert acceleration[5] < 0.5 * asked
 
 
-def test_a_spin_of_the_body_does_not_turn_the_foot_in_the_air(lowered_foot):
+def test_a_spin_of_the_body_does_not_turn_the_foot_in_the_air(on_one_leg):
     """A punch on an arm spins the robot; stopping that at once takes the swing leg."""
-    still, spun = (lowered_foot([0.0, 0.0, w], -40.0) for w in (0.0, 3.0))
+    (still, _), (spun, _) = (on_one_leg(0.3, -40.0, [0.0, 0.0, w]) for w in (0.0, 3.0))
     assert abs(spun[2] - still[2]) < 5.0
