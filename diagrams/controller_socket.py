@@ -59,6 +59,7 @@ ControllerSource: TypeAlias = System | Callable[..., System]
 """A controller, or a callable (robot, scenario) -> System that makes one."""
 EFFORT, STATUS, PATHS = "behavior_effort", "controller_status", "planned_paths"
 COUNT = "event_count"
+LAW = "behavior_law"
 DELAYED = ("imu", "user_forecast")
 """Inputs that depend on the efforts, and so must not have direct feedthrough."""
 CONTROLLER = "controller"
@@ -79,7 +80,8 @@ def add_controller(
     """Adds a controller to a station, under the name ``controller``.
 
     A callable source gets the ``scenario``: resolved, its steps on the common grid.
-    Returns efforts, status, planned paths and number of events, by name of the port.
+    Returns efforts, status, planned paths and number of events, by name of the port,
+    and the motors' law if the controller has one.
     """
     controller: Any = source
     if not isinstance(source, System) and callable(source):
@@ -116,7 +118,8 @@ def add_controller(
             if controller.HasOutputPort(name):
                 source_port = controller.GetOutputPort(name)
                 _connect(builder, source_port, reports.GetInputPort(name))
-    return {EFFORT: effort} | {
+    own = [name for name in (EFFORT, LAW) if controller.HasOutputPort(name)]
+    return {name: controller.GetOutputPort(name) for name in own} | {
         name: reports.GetOutputPort(name) for name in (STATUS, PATHS, COUNT)
     }
 

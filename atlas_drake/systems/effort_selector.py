@@ -21,11 +21,13 @@ class EffortSelector(CollectableSystem):
         received_effort: Efforts of the behavior, as the motors receive them [N·m].
         k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
+        behavior_law: ``MotorLaw``, what the motors add to the behavior's efforts;
+            optional.
         state: Positions and velocities of the robot, see ``_actuation``.
 
     Output ports:
-        actuation: What the plant's motors add to spring and damping of the user's law
-            [N·m], shape (n,), in their order; they limit the sum.
+        actuation: What the plant's motors add to spring and damping of the laws [N·m],
+            shape (n,), in their order; they limit the sum.
         desired_state: Set-points of spring and damping, as the plant's port takes them.
     """
 
@@ -39,13 +41,14 @@ class EffortSelector(CollectableSystem):
         self._to_plant = np.argsort(robot.indices(plant).actuation)
         self._plant = plant
         self._motors = plant.GetJointActuatorIndices(own)
-        # The law whose gains the plant's motors have; None for none.
-        self._known: MotorLaw | None = None
+        # Stiffness and damping that the plant's motors have.
+        self._known = np.zeros((2, n))
         self._behavior = self.DeclareVectorInputPort("received_effort", n)
         self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
+        self._hold = self.declare_value_input("behavior_law")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
-        sources = self._of(self._behavior, self._k, self._law)
+        sources = self._of(self._behavior, self._k, self._law, self._hold)
         self._given = self.declare_cached("given efforts", self._efforts, sources)
         sources = {*self._of(state), self._given.ticket()}
         self.declare_vector_output("actuation", n, self._actuation, sources)
@@ -64,31 +67,30 @@ class EffortSelector(CollectableSystem):
         state: each step has the gains of its own Context, in whatever order Contexts
         take turns. Only two threads must not step Contexts of one plant at once.
         """
-        law, effort = self._given.Eval(context)
-        if law is not self._known:
-            self._give_gains(law)
+        gains, effort = self._given.Eval(context)
+        if (gains != self._known).any():
+            self._give(gains)
         return effort
 
-    def _efforts(self, context: Context) -> tuple[MotorLaw, np.ndarray]:
+    def _efforts(self, context: Context) -> tuple[np.ndarray, np.ndarray]:
         law: MotorLaw = self._law.Eval(context)
-        own = (1.0 - self._k.Eval(context)) * self._behavior.Eval(context)
-        effort = law.feed_forward + own
+        rest, own = 1.0 - self._k.Eval(context), self._behavior.Eval(context)
+        gains = np.array([law.stiffness, law.damping])
+        if self._hold.HasValue(context):
+            hold: MotorLaw = self._hold.Eval(context)
+            gains += rest * [hold.stiffness, hold.damping]
+            own = own + hold.feed_forward
+        effort = law.feed_forward + rest * own
         # Motors without gains do not limit what they are told to give.
-        has_gains = law.stiffness + law.damping > 0.0
-        effort = np.where(has_gains, effort, limited(effort, self._limit))
-        return law, effort.take(self._to_plant)
+        effort = np.where(gains.any(axis=0), effort, limited(effort, self._limit))
+        return gains, effort.take(self._to_plant)
 
-    def _give_gains(self, law: MotorLaw) -> None:
-        gains = zip(
-            self._motors,
-            law.stiffness[self._to_plant].tolist(),
-            law.damping[self._to_plant].tolist(),
-            strict=True,
-        )
-        for index, p, d in gains:
+    def _give(self, gains: np.ndarray) -> None:
+        of_motors = gains.T[self._to_plant].tolist()
+        for index, (p, d) in zip(self._motors, of_motors, strict=True):
             motor = self._plant.get_mutable_joint_actuator(index)
             motor.set_controller_gains(PdControllerGains(p=p, d=d))
-        self._known = law
+        self._known = gains
 
     def _desired_state(self, context: Context) -> np.ndarray:
         position = self._law.Eval(context).position[self._to_plant]

@@ -59,6 +59,26 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
         assert actuation[motor.input_start()] == pytest.approx(expected[joint])
 
 
+def test_the_behaviors_law_has_its_share_of_efforts_and_gains(robot, plant):
+    selector, ones = EffortSelector(robot, plant), np.ones(28)
+    context = fed(
+        selector,
+        received_effort=ones,
+        k=K,
+        motor_law=law_of(5.0, 3.0 * (K > 0)),
+        behavior_law=MotorLaw(0.0 * ones, 4.0 * ones, 0.0 * ones, 2.0 * ones),
+        state=plant.GetPositionsAndVelocities(plant.CreateDefaultContext()),
+    )
+    actuation = selector.GetOutputPort("actuation").Eval(context)
+    for motor, joint in motors(robot, plant).items():
+        user, rest = 1.0 * (K[joint] > 0), 1.0 - K[joint]
+        expected = 3.0 * user + 3.0 * rest
+        assert actuation[motor.input_start()] == pytest.approx(expected)
+        gains = motor.get_controller_gains()
+        assert gains.p == pytest.approx(5.0 * user)
+        assert gains.d == pytest.approx(2.0 * user + 4.0 * rest)
+
+
 def test_every_context_gives_the_motors_its_own_gains(robot, plant):
     selector, nothing = EffortSelector(robot, plant), np.zeros(28)
     state = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())

@@ -1,0 +1,41 @@
+"""The motors keep joints to their planned speeds between two control ticks."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.control.joints.speed_hold import speed_hold
+
+V, ACCELERATION = np.array([1.0, -2.0, 0.0]), np.array([10.0, 0.0, -40.0])
+DAMPING, PERIOD = np.array([5.0, 1.0, 2.0]), 0.01
+
+
+def effort(law, q, v):
+    """What a motor gives at the end of a step."""
+    return law.stiffness * (law.position - q) - law.damping * v + law.feed_forward
+
+
+def test_a_joint_that_moves_as_planned_gets_nothing_in_the_mean_of_a_tick():
+    law = speed_hold(V, ACCELERATION, DAMPING, PERIOD)
+    times = np.linspace(0.0, PERIOD, 11)
+    given = [effort(law, q=0.3, v=V + ACCELERATION * t) for t in times]
+    np.testing.assert_allclose(np.mean(given, axis=0), 0.0, atol=1e-12)
+
+
+def test_a_joint_is_braked_by_what_it_is_too_fast():
+    law = speed_hold(V, 0.0 * V, DAMPING, PERIOD)
+    np.testing.assert_allclose(effort(law, q=0.3, v=V + 2.0), -2.0 * DAMPING)
+
+
+@pytest.mark.parametrize("hold", [0.0, 0.06])
+def test_the_motors_of_a_standing_robot_have_the_gains_of_its_settings(hold):
+    scenario = Scenario(controller={"gains": {"speed_hold": hold}})
+    sim = AtlasSimulation(scenario)
+    sim.advance(0.05)
+    plant, robot = sim.plant, sim.robot
+    for index in plant.GetJointActuatorIndices(robot.instance(plant)):
+        motor = plant.get_joint_actuator(index)
+        joint = robot.joint_index(motor.joint().name())
+        expected = hold * robot.effort_limit[joint]
+        damping = motor.get_controller_gains().d if motor.has_controller() else 0.0
+        assert damping == pytest.approx(expected)
