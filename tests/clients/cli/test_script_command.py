@@ -208,9 +208,10 @@ def test_the_examples_run_to_a_good_end(
 ):
     typed = tmp_path / "keys"
     typed.write_text(keys)
-    monkeypatch.setattr("sys.stdin", typed.open())
     command = ["script", str(EXAMPLES / f"{name}.py"), "--headless"]
-    assert main([*command, *arguments]) == 0
+    with typed.open() as stdin:
+        monkeypatch.setattr("sys.stdin", stdin)
+        assert main([*command, *arguments]) == 0
     out = capsys.readouterr().out
     assert "not up there" not in out
     for word in words:
