@@ -59,7 +59,7 @@ ControllerSource: TypeAlias = System | Callable[..., System]
 """A controller, or a callable (robot, scenario) -> System that makes one."""
 EFFORT, STATUS, PATHS = "behavior_effort", "controller_status", "planned_paths"
 COUNT = "event_count"
-LAW = "behavior_law"
+HOLD = "speed_hold"
 DELAYED = ("imu", "user_forecast")
 """Inputs that depend on the efforts, and so must not have direct feedthrough."""
 CONTROLLER = "controller"
@@ -81,7 +81,7 @@ def add_controller(
 
     A callable source gets the ``scenario``: resolved, its steps on the common grid.
     Returns efforts, status, planned paths and number of events, by name of the port,
-    and the motors' law if the controller has one.
+    and the speeds that motors hold if the controller has that port.
     """
     controller: Any = source
     if not isinstance(source, System) and callable(source):
@@ -118,10 +118,10 @@ def add_controller(
             if controller.HasOutputPort(name):
                 source_port = controller.GetOutputPort(name)
                 _connect(builder, source_port, reports.GetInputPort(name))
-    own = [name for name in (EFFORT, LAW) if controller.HasOutputPort(name)]
-    return {name: controller.GetOutputPort(name) for name in own} | {
-        name: reports.GetOutputPort(name) for name in (STATUS, PATHS, COUNT)
-    }
+    signals = {name: reports.GetOutputPort(name) for name in (STATUS, PATHS, COUNT)}
+    if controller.HasOutputPort(HOLD):
+        signals[HOLD] = controller.GetOutputPort(HOLD)
+    return {EFFORT: effort, **signals}
 
 
 def connect_controller(

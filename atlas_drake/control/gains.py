@@ -202,8 +202,8 @@ class ControlGains(Configuration):
     speed_hold: NotNegative[Seconds] = 0.0
     """Damping with which a motor keeps the planned speed of its joint between two
     control ticks, in its greatest effort per rad/s; 0 for motors that give the planned
-    efforts alone. With 0.06 a robot at 9 ms bears punches almost as one at 3 ms, but it
-    takes a tenth of the time of a simulation, and a body settles more slowly."""
+    efforts alone. With 0.06 a robot at 9 ms bears harder punches, but a simulation
+    takes a tenth longer, and a body settles more slowly."""
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative[Ratio] = 0.02
     """Of a leg on the ground."""

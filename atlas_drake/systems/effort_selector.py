@@ -10,6 +10,8 @@ from pydrake.systems.framework import Context, DependencyTicket, InputPort
 
 from atlas_drake.control.joints.blend import limited
 from atlas_drake.control.joints.joint_pid import MotorLaw
+from atlas_drake.control.joints.speed_hold import SpeedHold
+from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -21,12 +23,12 @@ class EffortSelector(CollectableSystem):
         received_effort: Efforts of the behavior, as the motors receive them [N·m].
         k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
-        behavior_law: ``MotorLaw``, what the motors add to the behavior's efforts;
-            optional.
+        speed_hold: ``SpeedHold``, what the motors add to the behavior's efforts, or
+            ``NOTHING``; optional.
         state: Positions and velocities of the robot, see ``_actuation``.
 
     Output ports:
-        actuation: What the plant's motors add to spring and damping of the laws [N·m],
+        actuation: What the plant's motors add to spring and dampings [N·m],
             shape (n,), in their order; they limit the sum.
         desired_state: Set-points of spring and damping, as the plant's port takes them.
     """
@@ -41,12 +43,12 @@ class EffortSelector(CollectableSystem):
         self._to_plant = np.argsort(robot.indices(plant).actuation)
         self._plant = plant
         self._motors = plant.GetJointActuatorIndices(own)
-        # Stiffness and damping that the plant's motors have.
-        self._known = np.zeros((2, n))
+        # Stiffness and damping that the plant's motors have; at first not known.
+        self._known = np.full((2, n), np.nan)
         self._behavior = self.DeclareVectorInputPort("received_effort", n)
         self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
-        self._hold = self.declare_value_input("behavior_law")
+        self._hold = self.declare_value_input("speed_hold")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
         sources = self._of(self._behavior, self._k, self._law, self._hold)
         self._given = self.declare_cached("given efforts", self._efforts, sources)
@@ -76,10 +78,11 @@ class EffortSelector(CollectableSystem):
         law: MotorLaw = self._law.Eval(context)
         rest, own = 1.0 - self._k.Eval(context), self._behavior.Eval(context)
         gains = np.array([law.stiffness, law.damping])
-        if self._hold.HasValue(context):
-            hold: MotorLaw = self._hold.Eval(context)
-            gains += rest * [hold.stiffness, hold.damping]
-            own = own + hold.feed_forward
+        connected = self._hold.HasValue(context)
+        hold = self._hold.Eval(context) if connected else NOTHING
+        if isinstance(hold, SpeedHold):
+            gains[1] += rest * hold.damping
+            own = own + hold.damping * hold.speed
         effort = law.feed_forward + rest * own
         # Motors without gains do not limit what they are told to give.
         effort = np.where(gains.any(axis=0), effort, limited(effort, self._limit))

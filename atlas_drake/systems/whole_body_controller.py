@@ -22,14 +22,13 @@ from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
-from atlas_drake.control.joints.joint_pid import MotorLaw
-from atlas_drake.control.joints.speed_hold import speed_hold, without_hold
+from atlas_drake.control.joints.speed_hold import SpeedHold
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.contact_tasks import ComTask
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import mean_sole_height
-from atlas_drake.frozen import Frozen, read_only, replace
+from atlas_drake.frozen import NOTHING, Frozen, Nothing, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus, Plan, PlannedPaths
@@ -51,13 +50,13 @@ class ControllerState(Frozen):
     effort: np.ndarray  # Of the behavior, per joint [N·m], shape (n,).
     com: np.ndarray  # Center of mass, horizontal in W [m], shape (2,).
     hands: np.ndarray  # Wrenches on the hands, followed slowly [N·m; N], shape (2, 6).
-    law: MotorLaw  # What the motors add to these efforts.
     omega: float = 1.0  # Natural frequency of the pendulum [1/s].
     solution: WholeBodySolution | None = None  # None without a QP.
     unsolved: int = 0  # Number of ticks whose QP had no solution.
     in_a_row: int = 0  # Number of them since the last solution.
     warned: bool = False  # True once the run has its warning of many of them.
     com_push: np.ndarray | None = None  # Horizontal acceleration commanded [m/s²].
+    hold: SpeedHold | Nothing = NOTHING  # What the motors add to these efforts.
 
 
 class WholeBodyController(CollectableSystem):
@@ -75,7 +74,8 @@ class WholeBodyController(CollectableSystem):
 
     Output ports:
         behavior_effort: Efforts of the behavior [N·m], shape (n,).
-        behavior_law: ``MotorLaw``, with which the motors may keep the planned speeds.
+        speed_hold: ``SpeedHold``, what the motors add to these efforts, or
+            ``NOTHING``.
         controller_status: ``ControllerStatus``
         planned_paths: ``PlannedPaths``
         event_count: Number of events so far, shape (1,): read at every tick, where the
@@ -98,7 +98,6 @@ class WholeBodyController(CollectableSystem):
         self._robot = robot
         self._period = period
         self._limit = limit = robot.effort_limit
-        self._free = without_hold(n)
         self._damping = config.gains.speed_hold * limit
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
@@ -114,7 +113,6 @@ class WholeBodyController(CollectableSystem):
             np.zeros(n),
             read_only(np.zeros(2)),
             read_only(np.zeros((2, 6))),
-            self._free,
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
@@ -133,7 +131,7 @@ class WholeBodyController(CollectableSystem):
             sources,
         )
         self.declare_value_output(
-            "behavior_law", lambda context: self._state.get(context).law, sources
+            "speed_hold", lambda context: self._state.get(context).hold, sources
         )
         self.declare_vector_output(
             "event_count",
@@ -153,7 +151,6 @@ class WholeBodyController(CollectableSystem):
             np.zeros(self._robot.num_joints),
             before.com,
             read_only(np.zeros((2, 6))),
-            self._free,
             unsolved=before.unsolved,
             warned=before.warned,
         )
@@ -202,9 +199,7 @@ class WholeBodyController(CollectableSystem):
             if supervisor.in_damping_mode:
                 effort = damping_effort(terms.v, self._limit, self._period)
             counts = before.unsolved, 0, before.warned
-            return ControllerState(
-                supervisor, effort, com, hands, self._free, omega, None, *counts
-            )
+            return ControllerState(supervisor, effort, com, hands, omega, None, *counts)
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(k, user, limit)
@@ -233,16 +228,19 @@ class WholeBodyController(CollectableSystem):
             effort,
             com,
             hands,
-            speed_hold(
-                terms.v, solution.joint_acceleration, self._damping, self._period
-            ),
             omega,
             solution,
             unsolved,
             in_a_row,
             warned,
             None if push is None else push[:2],
+            self._held(terms.v, solution.joint_acceleration),
         )
+
+    def _held(self, v: np.ndarray, acceleration: np.ndarray) -> SpeedHold | Nothing:
+        if not self._damping.any():
+            return NOTHING
+        return SpeedHold.planned(v, acceleration, self._damping, self._period)
 
     def _felt(self, context: Context, before: ControllerState) -> np.ndarray:
         """Returns the wrenches on the hands, shape (2, 6).

@@ -4,27 +4,27 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.joints.speed_hold import speed_hold
+from atlas_drake.control.joints.speed_hold import SpeedHold
 
 V, ACCELERATION = np.array([1.0, -2.0, 0.0]), np.array([10.0, 0.0, -40.0])
 DAMPING, PERIOD = np.array([5.0, 1.0, 2.0]), 0.01
 
 
-def effort(law, q, v):
-    """What a motor gives at the end of a step."""
-    return law.stiffness * (law.position - q) - law.damping * v + law.feed_forward
+def effort(hold, v):
+    """What a motor adds at the end of a step."""
+    return hold.damping * (hold.speed - v)
 
 
 def test_a_joint_that_moves_as_planned_gets_nothing_in_the_mean_of_a_tick():
-    law = speed_hold(V, ACCELERATION, DAMPING, PERIOD)
+    hold = SpeedHold.planned(V, ACCELERATION, DAMPING, PERIOD)
     times = np.linspace(0.0, PERIOD, 11)
-    given = [effort(law, q=0.3, v=V + ACCELERATION * t) for t in times]
+    given = [effort(hold, V + ACCELERATION * t) for t in times]
     np.testing.assert_allclose(np.mean(given, axis=0), 0.0, atol=1e-12)
 
 
 def test_a_joint_is_braked_by_what_it_is_too_fast():
-    law = speed_hold(V, 0.0 * V, DAMPING, PERIOD)
-    np.testing.assert_allclose(effort(law, q=0.3, v=V + 2.0), -2.0 * DAMPING)
+    hold = SpeedHold.planned(V, 0.0 * V, DAMPING, PERIOD)
+    np.testing.assert_allclose(effort(hold, V + 2.0), -2.0 * DAMPING)
 
 
 @pytest.mark.parametrize("hold", [0.0, 0.06])

@@ -5,6 +5,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake.control.joints.joint_pid import MotorLaw
+from atlas_drake.control.joints.speed_hold import SpeedHold
 from atlas_drake.systems.effort_selector import EffortSelector
 
 K = np.array([0, 255, 51, 204] * 7) / 255
@@ -59,14 +60,14 @@ def test_efforts_are_blended_per_joint_and_in_the_plants_order(robot, plant):
         assert actuation[motor.input_start()] == pytest.approx(expected[joint])
 
 
-def test_the_behaviors_law_has_its_share_of_efforts_and_gains(robot, plant):
+def test_held_speeds_have_the_behaviors_share_of_efforts_and_gains(robot, plant):
     selector, ones = EffortSelector(robot, plant), np.ones(28)
     context = fed(
         selector,
         received_effort=ones,
         k=K,
         motor_law=law_of(5.0, 3.0 * (K > 0)),
-        behavior_law=MotorLaw(0.0 * ones, 4.0 * ones, 0.0 * ones, 2.0 * ones),
+        speed_hold=SpeedHold(4.0 * ones, 0.5 * ones),
         state=plant.GetPositionsAndVelocities(plant.CreateDefaultContext()),
     )
     actuation = selector.GetOutputPort("actuation").Eval(context)

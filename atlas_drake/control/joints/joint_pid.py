@@ -19,9 +19,9 @@ from atlas_drake.messages.joint_command import JointCommand
 
 @dataclass(frozen=True)
 class MotorLaw(Frozen):
-    """A part of the motors' efforts in a step h, user's or behavior's, read-only.
+    """The user's part of the motors' efforts in a step h, read-only.
 
-        τ = p·(q_d - q⁺) - d·v⁺ + u,   q⁺ = q + h·v⁺
+        k·τ = p·(q_d - q⁺) - d·v⁺ + u,   q⁺ = q + h·v⁺
 
     Attributes:
         stiffness: p [N·m/rad], shape (n,), message order.

@@ -7,27 +7,39 @@ around the efforts that are planned.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from atlas_drake.control.joints.joint_pid import MotorLaw
-from atlas_drake.frozen import read_only
+from atlas_drake.frozen import Frozen, read_only
 
 
-def speed_hold(
-    v: np.ndarray, acceleration: np.ndarray, damping: np.ndarray, period: float
-) -> MotorLaw:
-    """Returns the motors' law D·(v_p - v⁺), v_p the planned speed in mid-tick.
+@dataclass(frozen=True)
+class SpeedHold(Frozen):
+    """What motors add to planned efforts in each physics step: D·(v_p - v⁺).
 
-    Args:
-        v: Speeds of the joints at the tick [rad/s], shape (n,).
-        acceleration: Planned for the tick [rad/s²], shape (n,).
-        damping: D [N·m·s/rad], shape (n,).
-        period: Of the control ticks [s].
+    Attributes:
+        damping: D [N·m·s/rad], shape (n,), message order.
+        speed: v_p, planned for the middle of the tick [rad/s], shape (n,).
     """
-    none, planned = np.zeros_like(v), v + 0.5 * period * acceleration
-    return read_only(MotorLaw(none, damping, none, damping * planned))
 
+    damping: np.ndarray
+    speed: np.ndarray
 
-def without_hold(n: int) -> MotorLaw:
-    """Returns the law of ``n`` motors that give the planned efforts alone."""
-    return read_only(MotorLaw(*np.zeros((4, n))))
+    @classmethod
+    def planned(
+        cls,
+        v: np.ndarray,
+        acceleration: np.ndarray,
+        damping: np.ndarray,
+        period: float,
+    ) -> SpeedHold:
+        """Returns the hold of a tick, read-only.
+
+        Args:
+            v: Speeds of the joints at the tick [rad/s], shape (n,).
+            acceleration: Planned for the tick [rad/s²], shape (n,).
+            damping: D [N·m·s/rad], shape (n,).
+            period: Of the control ticks [s].
+        """
+        return read_only(cls(damping, v + 0.5 * period * acceleration))
