@@ -242,6 +242,8 @@ def make_atlas_station(
     for system in (*systems, reporter):
         signals |= _outputs(system)
     signals["received_effort"] = signals["behavior_effort"]
+    if "speed_hold" in signals:
+        signals["received_hold"] = signals["speed_hold"]
     if scenario.effort_delay or noise.effort:
         delay = scenario.effort_delay
         motors = add("motors", Motors(robot, noise, scenario.seed, delay, step, period))

@@ -43,7 +43,6 @@ from atlas_drake.control.feet.swing_foot import (
     begin_swing,
 )
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.footstep import FootPose
 from atlas_drake.rotations import mean_yaw, rotation_z
@@ -328,7 +327,7 @@ class Walker(LeafSystem):
         torque = state.get_mutable_discrete_state(self.torque)
         limit = self.robot.effort_limit
         if terms.com[2] < FALLEN * self.height:
-            torque.set_value(damping_effort(terms.v, limit, self.dt))
+            torque.set_value(np.zeros_like(limit))
             return
         before = context.get_abstract_state(self.phase).get_value()
         phase = self.next_phase(before, terms, self.loads.Eval(context))

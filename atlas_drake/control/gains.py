@@ -199,11 +199,10 @@ class ControlGains(Configuration):
     """Damping of a foot that carries load, per unit of inertia."""
     swing_position: PdGains = PdGains(kp=300.0, kd=35.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
-    speed_hold: NotNegative[Seconds] = 0.0
-    """Damping with which a motor keeps the planned speed of its joint between two
-    control ticks, in its greatest effort per rad/s; 0 for motors that give the planned
-    efforts alone. With 0.06 a robot at 9 ms bears harder punches, but a simulation
-    takes a tenth longer, and a body settles more slowly."""
+    speed_hold: NotNegative[Seconds] = 0.02
+    """Damping with which the motors of legs and back keep the planned speeds of their
+    joints between two control ticks, in their greatest effort per rad/s; 0 for motors
+    that give the planned efforts alone. Without it a robot bears weaker punches."""
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative[Ratio] = 0.02
     """Of a leg on the ground."""

@@ -23,7 +23,7 @@ class EffortSelector(CollectableSystem):
         received_effort: Efforts of the behavior, as the motors receive them [N·m].
         k: The user's blend weight, 0 to 1.
         motor_law: ``MotorLaw``, the user's part.
-        speed_hold: ``SpeedHold``, what the motors add to the behavior's efforts, or
+        received_hold: ``SpeedHold``, what the motors add to these efforts, or
             ``NOTHING``; optional.
         state: Positions and velocities of the robot, see ``_actuation``.
 
@@ -48,7 +48,7 @@ class EffortSelector(CollectableSystem):
         self._behavior = self.DeclareVectorInputPort("received_effort", n)
         self._k = self.DeclareVectorInputPort("k", n)
         self._law = self.declare_value_input("motor_law")
-        self._hold = self.declare_value_input("speed_hold")
+        self._hold = self.declare_value_input("received_hold")
         state = self.DeclareVectorInputPort("state", plant.num_multibody_states(own))
         sources = self._of(self._behavior, self._k, self._law, self._hold)
         self._given = self.declare_cached("given efforts", self._efforts, sources)

@@ -21,8 +21,7 @@ from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
-from atlas_drake.control.joints.damping import damping_effort
-from atlas_drake.control.joints.speed_hold import SpeedHold
+from atlas_drake.control.joints.speed_hold import SpeedHold, damped
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.contact_tasks import ComTask
 from atlas_drake.control.whole_body.model import WholeBodyModel
@@ -98,7 +97,9 @@ class WholeBodyController(CollectableSystem):
         self._robot = robot
         self._period = period
         self._limit = limit = robot.effort_limit
-        self._damping = config.gains.speed_hold * limit
+        carrying = robot.limb("l_leg", "r_leg", "back")
+        self._damping = config.gains.speed_hold * limit * carrying
+        self._damped = damped(limit)
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, config.gains)
@@ -195,11 +196,16 @@ class WholeBodyController(CollectableSystem):
         com = read_only(terms.com[:2].copy())
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
-            effort = np.zeros(self._robot.num_joints)
-            if supervisor.in_damping_mode:
-                effort = damping_effort(terms.v, self._limit, self._period)
-            counts = before.unsolved, 0, before.warned
-            return ControllerState(supervisor, effort, com, hands, omega, None, *counts)
+            return ControllerState(
+                supervisor,
+                np.zeros(self._robot.num_joints),
+                com,
+                hands,
+                omega,
+                unsolved=before.unsolved,
+                warned=before.warned,
+                hold=self._damped if supervisor.in_damping_mode else NOTHING,
+            )
         if commands.joints.has_user:
             user, limit = self._user_input.Eval(context), self._limit
             bounds = effort_bounds(k, user, limit)

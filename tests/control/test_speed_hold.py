@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.joints.speed_hold import SpeedHold
+from atlas_drake.control.joints.speed_hold import FALL_DAMPING, SpeedHold, damped
 
 V, ACCELERATION = np.array([1.0, -2.0, 0.0]), np.array([10.0, 0.0, -40.0])
 DAMPING, PERIOD = np.array([5.0, 1.0, 2.0]), 0.01
@@ -27,15 +27,21 @@ def test_a_joint_is_braked_by_what_it_is_too_fast():
     np.testing.assert_allclose(effort(hold, V + 2.0), -2.0 * DAMPING)
 
 
+def test_the_joints_of_a_falling_robot_are_only_braked():
+    limit = np.array([10.0, 20.0, 30.0])
+    np.testing.assert_allclose(effort(damped(limit), V), -FALL_DAMPING * limit * V)
+
+
 @pytest.mark.parametrize("hold", [0.0, 0.06])
-def test_the_motors_of_a_standing_robot_have_the_gains_of_its_settings(hold):
+def test_the_motors_that_carry_the_robot_have_the_gains_of_its_settings(hold):
     scenario = Scenario(controller={"gains": {"speed_hold": hold}})
     sim = AtlasSimulation(scenario)
     sim.advance(0.05)
     plant, robot = sim.plant, sim.robot
+    carrying = robot.limb("l_leg", "r_leg", "back")
     for index in plant.GetJointActuatorIndices(robot.instance(plant)):
         motor = plant.get_joint_actuator(index)
         joint = robot.joint_index(motor.joint().name())
-        expected = hold * robot.effort_limit[joint]
+        expected = hold * robot.effort_limit[joint] * carrying[joint]
         damping = motor.get_controller_gains().d if motor.has_controller() else 0.0
         assert damping == pytest.approx(expected)

@@ -9,7 +9,6 @@ from atlas_drake.control.balance.feedback import (
     pendulum_frequency,
 )
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
 from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.units import GRAVITY
 
@@ -37,16 +36,6 @@ def test_height_acceleration(terms):
     assert height_acceleration(terms, z, rate, GAINS) == 0.0
     assert height_acceleration(terms, z + 0.1, rate, GAINS) == pytest.approx(5.0)
     assert height_acceleration(terms, z, rate + 0.1, GAINS) == pytest.approx(0.8)
-
-
-@pytest.mark.parametrize(("period", "gain"), [(0.002, 0.002), (0.008, 0.001)])
-def test_a_falling_robot_damps_its_joints_within_their_limits(period, gain):
-    limit = np.array([100.0, 5.0])
-    np.testing.assert_allclose(damping_mode_gain(limit, period), gain * limit)
-    v = np.array([-10.0, 1e4])
-    np.testing.assert_allclose(
-        damping_effort(v, limit, period), [gain * 1e3, -limit[1]]
-    )
 
 
 def test_the_cop_is_the_loads_mean_shifted_by_the_moments():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake import (
     AtlasCommand,
@@ -16,9 +15,6 @@ from atlas_drake import (
     Start,
     read_log,
 )
-from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
-from atlas_drake.robot import load_robot
-from atlas_drake.scenario.scenario import LONGEST_PERIOD
 
 
 @pytest.fixture(scope="module")
@@ -55,32 +51,6 @@ def touching(sim, but):
         if world in pair:
             names |= pair
     return names - set(but) - {world}
-
-
-def test_joints_in_damping_mode_are_only_braked():
-    v, limit = np.array([1.0, -2.0, 0.0, 1e6]), np.array([10.0, 20.0, 30.0, 40.0])
-    effort = damping_effort(v, limit, 0.006)
-    assert (effort * v <= 0.0).all()
-    assert effort[2] == 0.0
-    assert effort[3] == -40.0
-
-
-@pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
-@pytest.mark.parametrize(
-    "period", [0.002, Scenario().resolved().control_period, LONGEST_PERIOD]
-)
-def test_damping_mode_gain_is_too_weak_to_shake_a_joint(name, period):
-    robot = load_robot(name)
-    plant = MultibodyPlant(time_step=0.0)
-    robot.add_to(plant)
-    plant.Finalize()
-    mass = plant.CalcMassMatrix(plant.CreateDefaultContext())
-    # Of the joints, the pelvis free.
-    inertia = 1.0 / np.diag(np.linalg.inv(mass))[robot.indices(plant).v]
-    damping = damping_mode_gain(robot.effort_limit, period)
-    # Held over a control tick, it would overshoot from inertia / period on.
-    assert (damping * period < 0.7 * inertia).all()
-    assert (damping > 0.0).all()
 
 
 @pytest.mark.slow

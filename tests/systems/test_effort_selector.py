@@ -67,7 +67,7 @@ def test_held_speeds_have_the_behaviors_share_of_efforts_and_gains(robot, plant)
         received_effort=ones,
         k=K,
         motor_law=law_of(5.0, 3.0 * (K > 0)),
-        speed_hold=SpeedHold(4.0 * ones, 0.5 * ones),
+        received_hold=SpeedHold(4.0 * ones, 0.5 * ones),
         state=plant.GetPositionsAndVelocities(plant.CreateDefaultContext()),
     )
     actuation = selector.GetOutputPort("actuation").Eval(context)

@@ -4,24 +4,36 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.frozen import NOTHING
 from atlas_drake.systems.sensor_noise import NoiseModel
 
 STEP = Scenario.physics_step
 
 
 def sent_and_received(sim, steps):
-    """The behavior's efforts and those of the motors, after each physics step."""
+    """The behavior's efforts and those of the motors, after each physics step.
+
+    Beside each, the speeds that the motors shall hold.
+    """
+
+    def values(part, effort, hold):
+        system, context = sim.part(part)
+        ports = (system.GetOutputPort(name) for name in (effort, hold))
+        efforts, held = (port.Eval(context) for port in ports)
+        # Before its first tick a controller has none.
+        speeds = np.zeros_like(efforts) if held is NOTHING else held.speed
+        return np.concatenate([efforts, speeds])
+
     sent, received = [], []
-    motors, context = sim.part("motors")
     for _ in range(steps):
         sim.advance(STEP)
-        sent.append(sim.output("behavior_effort").copy())
-        received.append(motors.GetOutputPort("received_effort").Eval(context).copy())
+        sent.append(values("controller", "behavior_effort", "speed_hold"))
+        received.append(values("motors", "received_effort", "received_hold"))
     return np.array(sent), np.array(received)
 
 
 @pytest.mark.parametrize("steps", [1, 6])
-def test_a_delay_is_that_of_every_effort(steps):
+def test_a_delay_is_that_of_every_effort_and_speed(steps):
     sim = AtlasSimulation(Scenario(effort_delay=steps * STEP))
     sim.apply_push("trunk", [200.0, 0.0, 0.0], 0.1)
     sent, received = sent_and_received(sim, 40)
@@ -34,7 +46,9 @@ def test_noise_is_a_share_of_the_limits_drawn_from_the_seed():
     def run(seed):
         sim.reset(seed=seed)
         sent, received = sent_and_received(sim, 300)
-        return received, (received - sent) / sim.robot.effort_limit
+        n = sim.robot.num_joints
+        noise = (received - sent)[:, :n] / sim.robot.effort_limit
+        return received, noise
 
     sim = AtlasSimulation(Scenario(noise=NoiseModel(effort=0.002)))
     efforts, noise = run(seed=4)

@@ -1,4 +1,4 @@
-"""How motors keep their joints to the planned speeds between two control ticks.
+"""How motors keep their joints to planned speeds between two control ticks.
 
 Efforts that last for a tick do not know what happens within it: a foot that lands, a
 punch. The motors know, as those of real robots do, whose drives close a loop of speed
@@ -12,6 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.frozen import Frozen, read_only
+
+FALL_DAMPING = 0.002
+"""Damping of the joints of a falling robot, in their greatest efforts per rad/s.
+
+No setting: a falling robot protects itself, and only the order of magnitude counts. A
+joint that turns at 10 rad/s is braked with a fiftieth of its effort limit: it sags and
+absorbs a part of the impact, limbs do not whip, and nothing is pushed hard against the
+ground.
+"""
 
 
 @dataclass(frozen=True)
@@ -43,3 +52,10 @@ class SpeedHold(Frozen):
             period: Of the control ticks [s].
         """
         return read_only(cls(damping, v + 0.5 * period * acceleration))
+
+
+def damped(effort_limit: np.ndarray) -> SpeedHold:
+    """Returns what brakes the joints of a falling robot; limits [N·m], shape (n,)."""
+    return read_only(
+        SpeedHold(FALL_DAMPING * effort_limit, np.zeros_like(effort_limit))
+    )
