@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.recovery import Recovery
 from atlas_drake.behaviors.stand.stand import StandConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
@@ -122,21 +123,53 @@ def test_a_foot_in_the_air_steps_whatever_it_costs(balance):
         assert capture(balance, (0.1, 0.2), airborne=foot).foot == foot
 
 
-@pytest.mark.parametrize("known", [1, 2])
-def test_the_same_error_moves_a_step_only_once(balance, observe, known):
-    observation = observe(speed=0.3)
+def swing_for_balance(balance, observation, known=1, turned=0.0):
+    """A swing in a walk ahead, its pelvis turned from its reference, and its tick."""
     feet = observation.foot_poses
     steps = tuple(
         Footstep(3 + k, k, feet[k].p_WF, 0.0, 0.5, 0.1) for k in (LEFT, RIGHT)[:known]
     )
     progress = WalkProgress(feet, feet, steps, 3, None, CONFIG)
     pendulum = Pendulum(OMEGA, (-0.006, -0.005))
-    tick = WalkTick(observation, False, balance, pendulum, CONFIG)
-    moved = make_swing(progress, tick)
-    shift = moved.step.p_WF - feet[LEFT].p_WF
+    body = replace(capture_body(observation.terms), yaw=-turned)
+    tick = WalkTick(observation, body, False, balance, pendulum, CONFIG)
+    return make_swing(progress, tick), tick
+
+
+@pytest.mark.parametrize("known", [1, 2])
+def test_the_same_error_moves_a_step_only_once(balance, observe, known):
+    observation = observe(speed=0.3)
+    moved, tick = swing_for_balance(balance, observation, known)
+    shift = moved.step.p_WF - observation.foot_poses[LEFT].p_WF
     assert np.hypot(*shift[:2]) > 0.06
     again = keep_balance(moved, tick)
     np.testing.assert_allclose(again.step.p_WF, moved.step.p_WF, atol=0.02)
+
+
+def test_a_step_for_balance_turns_with_the_pelvis_as_far_as_a_step_may(
+    balance, observe
+):
+    limits = CONFIG.limits
+    for turned, expected in (
+        (0.0, 0.0),
+        (0.2, 0.2),
+        (-0.2, -0.2),
+        (1.5, limits.toe_out),
+        (-1.5, -limits.toe_in),
+    ):
+        swing, _ = swing_for_balance(balance, observe(speed=0.3), turned=turned)
+        assert swing.step.yaw == pytest.approx(expected, abs=2e-3)
+        # The foot is on the ground, and has the heading that it had.
+        assert swing.motion.heading.angle == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_step_that_need_not_move_keeps_its_heading(balance, observe):
+    swing, _ = swing_for_balance(balance, observe())
+    beyond = np.exp(-OMEGA * swing.duration) * swing.beyond_plan
+    as_planned = observe(above=swing.planned.dcm + beyond)
+    _, tick = swing_for_balance(balance, as_planned, turned=0.5)
+    assert abs(tick.pelvis_turn) > 0.4
+    assert keep_balance(swing, tick) is swing
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

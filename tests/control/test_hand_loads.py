@@ -106,7 +106,7 @@ def test_a_robot_that_presses_against_a_wall_stays_upright():
             sim.advance(hands.PERIOD)
         return sim.record
 
-    free, pressed = press(0.38, 0.0, 1.5), press(0.41, 32.0, 4.0)
+    free, pressed = press(0.38, 0.0, 1.5), press(0.41, 32.0, 4.6)
     force = pressed.hands.left_force[0] + pressed.hands.right_force[0]
     assert force < -70.0
     np.testing.assert_allclose(pressed.balance.com, free.balance.com, atol=0.003)

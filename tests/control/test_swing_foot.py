@@ -219,7 +219,7 @@ def test_turns_the_short_way():
 
 @pytest.mark.parametrize("moved_at", [0.1, 0.25, 0.4])
 def test_a_target_moved_mid_swing_makes_no_jump(start, moved_at):
-    before, after = step_to(), step_to(x=0.85, y=0.28)
+    before, after = step_to(), step_to(x=0.85, y=0.28, yaw=0.2)
 
     def target_at(time):
         return before if time < moved_at else after
@@ -231,8 +231,14 @@ def test_a_target_moved_mid_swing_makes_no_jump(start, moved_at):
     largest = np.abs(a).max()
     assert np.abs(np.diff(p, axis=0) - v[:-1] * DT).max() <= largest * DT**2
     assert np.abs(np.diff(v, axis=0)).max() <= 1.1 * largest * DT
+    yaws = np.array([yaw_of(reference.R_WF) for reference in references])
+    w, alpha = (stacked(references, n)[:, 2] for n in ("w_WF", "alpha_WF"))
+    fastest = np.abs(alpha).max()
+    assert np.abs(np.diff(yaws) - w[:-1] * DT).max() <= fastest * DT**2
+    assert np.abs(np.diff(w)).max() <= 1.1 * fastest * DT
     # It ends where it was last told to.
     np.testing.assert_allclose(p[-1, :2], after.p_WF[:2], atol=5e-3)
+    assert yaws[-1] == pytest.approx(after.yaw, abs=5e-3)
     moved = round(moved_at / DT)
     _, unmoved = swing_through(start, lambda _: before, SWING_TICKS)
     kept = stacked(unmoved, "p_WF")

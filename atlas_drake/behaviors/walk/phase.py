@@ -17,6 +17,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.phases import TIME_STEP, Phase, on_present_parts, sampled
 from atlas_drake.behaviors.walk.config import GaitTiming, WalkConfig
 from atlas_drake.behaviors.walk.gait import plan_walk
@@ -28,6 +29,7 @@ from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.footstep import FootPose
+from atlas_drake.rotations import wrap_angle, yaw_of
 from atlas_drake.support_polygon import SupportPolygon
 
 
@@ -51,6 +53,7 @@ class WalkTick:
 
     Attributes:
         observation: State of the robot.
+        body: Reference of trunk and posture, of the last tick.
         leaving: True if the end of the walk is requested.
         balance: Support polygons, and commands of the feet.
         pendulum: The robot as the DCM plan sees it.
@@ -58,6 +61,7 @@ class WalkTick:
     """
 
     observation: Observation
+    body: BodyReference
     leaving: bool
     balance: Balance
     pendulum: Pendulum
@@ -72,6 +76,14 @@ class WalkTick:
     def dcm(self) -> np.ndarray:
         """Measured DCM, horizontal in W [m], shape (2,)."""
         return feedback.dcm(self.observation.terms, self.pendulum.omega)
+
+    @cached_property
+    def pelvis_turn(self) -> float:
+        """Turn of the pelvis from its reference as a step for balance lands [rad]."""
+        terms, body = self.observation.terms, self.body
+        turned = wrap_angle(yaw_of(terms.R_WP) - body.yaw)
+        rate = float(terms.V_WP[2]) - body.yaw_rate
+        return turned + self.config.adjustment.turn_lead * rate
 
     @property
     def sole(self) -> tuple[float, float]:

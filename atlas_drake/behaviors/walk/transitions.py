@@ -31,6 +31,7 @@ from atlas_drake.behaviors.walk.transfer import Transfer
 from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     touchdown_for_balance,
+    turned_with_pelvis,
 )
 from atlas_drake.control.feet.footstep import landing_error, way_around
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch, pitch_from, pitched_pose
@@ -190,7 +191,10 @@ def make_swing(
 
 
 def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
-    """Moves the landing, in place and time, when the ankles cannot hold the DCM."""
+    """Moves the landing, in place and time, when the ankles cannot hold the DCM.
+
+    The foot then lands with the heading of the pelvis, which a push may have turned.
+    """
     rules, remaining = tick.config.rules, phase.duration - phase.elapsed
     if remaining < rules.frozen_end:
         return phase
@@ -217,6 +221,9 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
     shift = float(np.abs(moved.p_WF - step.p_WF).max())
     if shift < rules.replan_shift and left == remaining:
         return phase
+    aimed = replace(moved, yaw=phase.sent.yaw)
+    limits = tick.config.limits
+    moved = turned_with_pelvis(aimed, tick.pelvis_turn, phase.stance, limits)
     sooner = remaining - left
     duration, motion = phase.duration - sooner, motion.landing_sooner(sooner)
     progress = replace(phase.progress, in_air=moved)

@@ -52,7 +52,7 @@ class Walk(BehaviorProtocol):
         self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Transfer:
         """Begins to shift the weight to the first stance foot."""
-        tick = self._tick(observation)
+        tick = self._tick(observation, body)
         airborne = self._balance.airborne(observation)
         feet = set_down(observation.foot_poses, airborne)
         params = request.command.walk_params
@@ -73,7 +73,7 @@ class Walk(BehaviorProtocol):
         leaving: bool,
     ) -> Outcome:
         """Walks for one tick; ``leaving`` drops the steps that have not begun."""
-        tick, before = self._tick(observation, leaving), phase
+        tick, before = self._tick(observation, body, leaving), phase
         progress, news = self._read(phase, tick, request)
         phase = replace(
             phase,
@@ -134,10 +134,12 @@ class Walk(BehaviorProtocol):
             step_queue_saturated=list(progress.preview.reported),
         )
 
-    def _tick(self, observation: Observation, leaving: bool = False) -> WalkTick:
+    def _tick(
+        self, observation: Observation, body: BodyReference, leaving: bool = False
+    ) -> WalkTick:
         """Makes what the phases read in a tick."""
         return WalkTick(
-            observation, leaving, self._balance, self._pendulum, self._config
+            observation, body, leaving, self._balance, self._pendulum, self._config
         )
 
     def _read(

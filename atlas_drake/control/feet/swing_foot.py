@@ -1,8 +1,9 @@
 """Motion of a swinging sole from lift-off to landing.
 
-Horizontal motion and pitch about toes and heel follow minimum-jerk quintics, solved
-anew every tick from the present reference, so that the landing place may move during
-the swing without a jump. The choice of the landing place is in ``control.balance``.
+Horizontal motion, heading, and pitch about toes and heel follow minimum-jerk quintics,
+solved anew every tick from the present reference, so that place and heading of the
+landing may change during the swing without a jump. The choice of the landing place is
+in ``control.balance``.
 """
 
 from __future__ import annotations
@@ -94,6 +95,14 @@ class SwingProfile(Configuration):
         return self.landing_speed / min(duration / self.unhurried, 1.0) ** 3
 
 
+class Heading(NamedTuple):
+    """Heading of the toes; it may be more than half a turn."""
+
+    angle: float  # [rad]
+    rate: float = 0.0  # [rad/s]
+    acceleration: float = 0.0  # [rad/s²]
+
+
 @dataclass(frozen=True)
 class FootSwing:
     """State of the swing reference, advanced once per control tick."""
@@ -104,6 +113,7 @@ class FootSwing:
     xy: np.ndarray  # Horizontal reference in W, with derivatives, shape (2,)
     xy_velocity: np.ndarray
     xy_acceleration: np.ndarray
+    heading: Heading
     pitch: Pitch  # About the toes with the heel up, about the heel with the toes up
     half_length: float  # Distance of toes and heel from the sole's center [m]
     landing_pitch: float  # Pitch at touchdown [rad]
@@ -156,6 +166,7 @@ def begin_swing(
         xy=xy,
         xy_velocity=zero,
         xy_acceleration=zero,
+        heading=Heading(start.yaw),
         pitch=pitch,
         half_length=half_length,
         landing_pitch=landing_pitch,
@@ -221,6 +232,7 @@ def advance_swing(
         xy=xy,
         xy_velocity=velocity,
         xy_acceleration=acceleration,
+        heading=_heading(swing, target, dt),
         pitch=_pitch(swing, profile, dt),
         height_share=_height_share(swing, profile, dt),
     )
@@ -272,6 +284,14 @@ def pushes_ahead(
     return tuple(push for push in pushes if push.duration > _SHORTEST_PUSH)
 
 
+def _heading(swing: FootSwing, target: Footstep, dt: float) -> Heading:
+    """Advances the heading to that of the landing, the shorter way round."""
+    goal = swing.heading.angle + wrap_angle(target.yaw - swing.heading.angle)
+    if swing.remaining <= dt:
+        return Heading(goal)
+    return Heading(*quintic_step_of_one(*swing.heading, goal, swing.remaining, dt))
+
+
 def _pitch(swing: FootSwing, profile: SwingProfile, dt: float) -> Pitch:
     """Advances the pitch about the toes to 0, and then to that of the landing."""
     down, elapsed = profile.heel_down * swing.duration, swing.elapsed
@@ -296,16 +316,17 @@ def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> Sol
     s, ds, dds = quintic_progress(swing.progress)
     tipped, tip_rate, tip_push = rise_and_fall(swing.progress, profile.apex)
     toes = _toe_pitch(swing, target, profile)
-    R, turn = _sole_on_ground(swing.start, target, s)
+    heading, rate, push = swing.heading
+    R, by_heading, by_progress = _sole_on_ground(swing.start, target, heading, s)
     b, db, ddb = rise_and_fall(swing.progress, 0.5)
     flat = SoleMotion(
         p_WF=np.array([*(swing.xy + b * swing.around), z]),
         v_WF=np.array([*(swing.xy_velocity + db / T * swing.around), vz]),
         a_WF=np.array([*(swing.xy_acceleration + ddb / T**2 * swing.around), az]),
         R_WF=R,
-        # The rotation axis of the turn hardly moves; its rate is neglected.
-        w_WF=turn * (ds / T),
-        alpha_WF=turn * (dds / T**2),
+        # The axes of the rotation hardly move; their rates are neglected.
+        w_WF=rate * by_heading + ds / T * by_progress,
+        alpha_WF=push * by_heading + dds / T**2 * by_progress,
     )
     toes_down = Pitch(toes * tipped, toes * tip_rate / T, toes * tip_push / T**2)
     motion = flat.pitched(toes_down, 0.0)
@@ -318,35 +339,35 @@ def _reference(swing: FootSwing, target: Footstep, profile: SwingProfile) -> Sol
 
 
 def _sole_on_ground(
-    start: FootPose, target: Footstep, s: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Orientation between start and target without toe pitch, and its rate.
+    start: FootPose, target: Footstep, heading: float, s: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Orientation with a heading [rad] between start and target, without toe pitch.
 
-    Heading and normal go from one to the other with the progress ``s``, 0 to 1; the
-    rate is the angular velocity per unit of it, shape (3,).
+    The normal goes from one to the other with the progress ``s``, 0 to 1. The angular
+    velocities per unit of the heading's rate and of that of ``s`` follow, of shape (3,)
+    each.
     """
-    start_yaw, start_normal = start.yaw, start.R_WF[:, 2]
-    turn = wrap_angle(target.yaw - start_yaw)
-    yaw = start_yaw + s * turn
+    start_normal = start.R_WF[:, 2]
     difference = target.normal - start_normal
     along = start_normal + s * difference
     length = math.sqrt(along @ along)
     normal = along / length
     # The rate of the normal, but for a part along the normal that drops out below.
     tilting = difference / length
-    R = rotation_with_normal(yaw, normal)
+    R = rotation_with_normal(heading, normal)
     # The turn about the normal follows from x staying above the heading: x points along
     # u = [cos, sin, slope], and only the part of u's rate along y turns x.
-    c, si = math.cos(yaw), math.sin(yaw)
-    n, t = normal.tolist(), tilting.tolist()
+    c, si = math.cos(heading), math.sin(heading)
+    n, t, y = normal.tolist(), tilting.tolist(), R[:, 1].tolist()
     slope = -(c * n[0] + si * n[1]) / n[2]
-    slope_rate = (
-        turn * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
-    ) / n[2]
-    y = R[:, 1].tolist()
-    along_y = turn * (c * y[1] - si * y[0]) + slope_rate * y[2]
-    spin = along_y / math.sqrt(1.0 + slope * slope)
-    return R, cross(normal, tilting) + spin * normal
+    length = math.sqrt(1.0 + slope * slope)
+    by_heading = c * y[1] - si * y[0] + (si * n[0] - c * n[1]) / n[2] * y[2]
+    by_tilting = -(c * t[0] + si * t[1] + slope * t[2]) / n[2] * y[2]
+    return (
+        R,
+        by_heading / length * normal,
+        cross(normal, tilting) + by_tilting / length * normal,
+    )
 
 
 def _toe_pitch(swing: FootSwing, target: Footstep, profile: SwingProfile) -> float:
