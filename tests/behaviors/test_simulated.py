@@ -401,7 +401,7 @@ def test_a_push_in_step_with_a_foot_in_the_air_is_caught(direction):
         LONGEST, lambda report: report.step_feedback.status_flags == STEPPING
     )
     robot.advance(0.4)
-    force = 0.44 * robot.sim.robot.mass / PUSH_DURATION * np.array([*direction, 0.0])
+    force = 0.66 * robot.sim.robot.mass / PUSH_DURATION * np.array([*direction, 0.0])
     robot.sim.apply_push("trunk", force, PUSH_DURATION)
     robot.advance(4.0)
     assert robot.texts("recovery")

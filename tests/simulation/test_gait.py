@@ -65,7 +65,7 @@ def test_ahead_it_leaves_on_the_toes_and_lands_on_the_heel_with_straighter_knees
     pitch = pitches(rolling)
     on_ground = loads(rolling) > 20.0
     assert pitch[on_ground].max() > 0.15, "a heel rises while its toes carry load"
-    assert pitch[on_ground].min() < -0.05, "a heel carries load before its toes"
+    assert pitch[on_ground].min() < -0.03, "a heel carries load before its toes"
     assert np.abs(pitches(flat)[loads(flat) > 20.0]).max() < 0.03
     assert stance_knee(rolling) < 0.75 * stance_knee(flat)
 

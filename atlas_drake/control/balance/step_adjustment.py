@@ -50,8 +50,9 @@ class StepAdjustmentLimits(Configuration):
     ahead, back and outward."""
     reach: Positive[Meters] = 0.74
     """Largest distance between the feet after a step for balance."""
-    clearance: NotNegative[Meters] = 0.012
-    """Least gap between the soles after a step for balance."""
+    clearance: NotNegative[Meters] = 0.03
+    """Least gap between the soles after a step for balance: a foot that lands a
+    centimeter nearer must not stand on the other one, which steps next."""
     crossing: NotNegative[Meters] = 0.14
     """Distance beyond the line of the stance foot to which a foot may land ahead of it
     or behind it. A push over the stance foot, where the legs would have to pass through
