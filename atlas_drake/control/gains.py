@@ -200,9 +200,10 @@ class ControlGains(Configuration):
     swing_position: PdGains = PdGains(kp=300.0, kd=35.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     speed_hold: NotNegative[Seconds] = 0.02
-    """Damping with which the motors of legs and back keep the planned speeds of their
-    joints between two control ticks, in their greatest effort per rad/s; 0 for motors
-    that give the planned efforts alone. Without it a robot bears weaker punches."""
+    """Damping with which the motors of back and legs on the ground keep the planned
+    speeds of their joints between two control ticks, in their greatest effort per
+    rad/s; 0 for motors that give the planned efforts alone. Without it a robot bears
+    weaker punches; a leg in the air that held its speeds would land with more load."""
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative[Ratio] = 0.02
     """Of a leg on the ground."""

@@ -38,6 +38,9 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 LONG_UNSOLVED = 5
 """Control ticks in a row without a solution for a warning; the fallback handles one or
 two."""
+YIELDING = 0.01
+"""Share of the held speeds' damping in a leg in the air. Not 0: a motor that loses its
+gains as Drake prepares a step stops the program."""
 _UNKNOWN = read_only(np.full(2, np.nan))
 
 
@@ -240,13 +243,19 @@ class WholeBodyController(CollectableSystem):
             in_a_row,
             warned,
             None if push is None else push[:2],
-            self._held(terms.v, solution.joint_acceleration),
+            self._held(terms.v, solution),
         )
 
-    def _held(self, v: np.ndarray, acceleration: np.ndarray) -> SpeedHold | Nothing:
+    def _held(self, v: np.ndarray, solution: WholeBodySolution) -> SpeedHold | Nothing:
+        """Returns the speeds to hold; a leg in the air yields as it lands."""
         if not self._damping.any():
             return NOTHING
-        return SpeedHold.planned(v, acceleration, self._damping, self._period)
+        damping = self._damping.copy()
+        for leg, foot in zip(self._robot.legs, self._robot.file.feet, strict=True):
+            if foot.sole_frame not in solution.contact_wrenches:
+                damping[leg.joints] *= YIELDING
+        acceleration = solution.joint_acceleration
+        return SpeedHold.planned(v, acceleration, damping, self._period)
 
     def _felt(self, context: Context, before: ControllerState) -> np.ndarray:
         """Returns the wrenches on the hands, shape (2, 6).

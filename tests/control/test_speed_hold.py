@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Scenario
 from atlas_drake.control.joints.speed_hold import FALL_DAMPING, SpeedHold, damped
+from atlas_drake.systems.whole_body_controller import YIELDING
 
 V, ACCELERATION = np.array([1.0, -2.0, 0.0]), np.array([10.0, 0.0, -40.0])
+SIDES = ("l_leg", "r_leg")
 DAMPING, PERIOD = np.array([5.0, 1.0, 2.0]), 0.01
 
 
@@ -32,16 +34,31 @@ def test_the_joints_of_a_falling_robot_are_only_braked():
     np.testing.assert_allclose(effort(damped(limit), V), -FALL_DAMPING * limit * V)
 
 
+def dampings(sim):
+    """Damping of every motor of the robot, in its greatest effort per rad/s, (n,)."""
+    plant, robot = sim.plant, sim.robot
+    found = np.zeros(robot.num_joints)
+    for index in plant.GetJointActuatorIndices(robot.instance(plant)):
+        motor = plant.get_joint_actuator(index)
+        if motor.has_controller():
+            joint = robot.joint_index(motor.joint().name())
+            found[joint] = motor.get_controller_gains().d / robot.effort_limit[joint]
+    return found
+
+
 @pytest.mark.parametrize("hold", [0.0, 0.06])
-def test_the_motors_that_carry_the_robot_have_the_gains_of_its_settings(hold):
+def test_the_motors_of_back_and_legs_on_the_ground_hold_speeds(hold):
     scenario = Scenario(controller={"gains": {"speed_hold": hold}})
     sim = AtlasSimulation(scenario)
     sim.advance(0.05)
-    plant, robot = sim.plant, sim.robot
-    carrying = robot.limb("l_leg", "r_leg", "back")
-    for index in plant.GetJointActuatorIndices(robot.instance(plant)):
-        motor = plant.get_joint_actuator(index)
-        joint = robot.joint_index(motor.joint().name())
-        expected = hold * robot.effort_limit[joint] * carrying[joint]
-        damping = motor.get_controller_gains().d if motor.has_controller() else 0.0
-        assert damping == pytest.approx(expected)
+    back, (left, right) = sim.robot.limb("back"), map(sim.robot.limb, SIDES)
+    np.testing.assert_allclose(dampings(sim), hold * (back | left | right))
+    walk = AtlasSimInterfaceCommand(behavior="WALK")
+    walk.walk_params.use_demo_walk = True
+    sim.publish(walk)
+    while sim.record.feet.loads[0] > 0.0:
+        assert sim.time < 3.0
+        sim.advance(sim.scenario.control_period)
+    sim.advance(0.1)
+    expected = hold * (1.0 * (back | right) + YIELDING * left)
+    np.testing.assert_allclose(dampings(sim), expected)
