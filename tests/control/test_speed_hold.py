@@ -8,7 +8,6 @@ from atlas_drake.control.joints.speed_hold import FALL_DAMPING, SpeedHold, dampe
 from atlas_drake.systems.whole_body_controller import YIELDING
 
 V, ACCELERATION = np.array([1.0, -2.0, 0.0]), np.array([10.0, 0.0, -40.0])
-SIDES = ("l_leg", "r_leg")
 DAMPING, PERIOD = np.array([5.0, 1.0, 2.0]), 0.01
 
 
@@ -51,7 +50,10 @@ def test_the_motors_of_back_and_legs_on_the_ground_hold_speeds(hold):
     scenario = Scenario(controller={"gains": {"speed_hold": hold}})
     sim = AtlasSimulation(scenario)
     sim.advance(0.05)
-    back, (left, right) = sim.robot.limb("back"), map(sim.robot.limb, SIDES)
+    back, (left, right) = (
+        sim.robot.limb("back"),
+        map(sim.robot.limb, ("l_leg", "r_leg")),
+    )
     np.testing.assert_allclose(dampings(sim), hold * (back | left | right))
     walk = AtlasSimInterfaceCommand(behavior="WALK")
     walk.walk_params.use_demo_walk = True

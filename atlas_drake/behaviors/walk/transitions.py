@@ -31,9 +31,12 @@ from atlas_drake.behaviors.walk.transfer import Transfer
 from atlas_drake.control.balance.step_adjustment import (
     SingleSupportState,
     touchdown_for_balance,
-    turned_with_pelvis,
 )
-from atlas_drake.control.feet.footstep import landing_error, way_around
+from atlas_drake.control.feet.footstep import (
+    landing_error,
+    saturated_heading,
+    way_around,
+)
 from atlas_drake.control.feet.sole_motion import FLAT, Pitch, pitch_from, pitched_pose
 from atlas_drake.control.feet.swing_foot import begin_swing, swing_from_the_air
 from atlas_drake.frozen import replace
@@ -193,7 +196,8 @@ def make_swing(
 def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
     """Moves the landing, in place and time, when the ankles cannot hold the DCM.
 
-    The foot then lands with the heading of the pelvis, which a push may have turned.
+    The foot then turns as far as a push has turned the pelvis: a hip that kept the
+    foot's heading would have to stop the turn.
     """
     rules, remaining = tick.config.rules, phase.duration - phase.elapsed
     if remaining < rules.frozen_end:
@@ -221,9 +225,9 @@ def keep_balance(phase: Swing, tick: WalkTick) -> Swing:
     shift = float(np.abs(moved.p_WF - step.p_WF).max())
     if shift < rules.replan_shift and left == remaining:
         return phase
-    aimed = replace(moved, yaw=phase.sent.yaw)
-    limits = tick.config.limits
-    moved = turned_with_pelvis(aimed, tick.pelvis_turn, phase.stance, limits)
+    yaw = phase.sent.yaw + tick.pelvis_turn
+    yaw = saturated_heading(yaw, step.foot, phase.stance, tick.config.limits)
+    moved = replace(moved, yaw=yaw)
     sooner = remaining - left
     duration, motion = phase.duration - sooner, motion.landing_sooner(sooner)
     progress = replace(phase.progress, in_air=moved)

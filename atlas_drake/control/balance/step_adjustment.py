@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from atlas_drake.config import Configuration, LeastGreatest, NotNegative, Positive
-from atlas_drake.control.feet.footstep import outward, saturate
+from atlas_drake.control.feet.footstep import saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
 from atlas_drake.messages.footstep import FootPose, Footstep
-from atlas_drake.rotations import rotation_z, wrap_angle
+from atlas_drake.rotations import rotation_z
 from atlas_drake.units import Meters, MetersPerSecond, Ratio, Seconds
 
 _WAY = np.linspace(0.0, 1.0, 9)
@@ -64,8 +64,8 @@ class StepAdjustmentLimits(Configuration):
     foot_speed: Positive[MetersPerSecond] = 2.6
     """Largest mean horizontal speed of a foot in a hastened swing."""
     turn_lead: NotNegative[Seconds] = 0.25
-    """Time ahead from which a step for balance takes its heading: that which the
-    pelvis will have, as it turns now."""
+    """Time ahead for which the turn of the pelvis is foreseen, at its present rate: a
+    step for balance turns as far."""
     haste_cost: NotNegative[MetersPerSecond] = 0.1
     """Distance out of reach that is accepted for each second that the swing is not
     hastened."""
@@ -133,24 +133,6 @@ def within_reach(step: Footstep, stance: FootPose, reach: float) -> Footstep:
         return step
     ahead[:2] *= reach / distance
     return replace(step, p_WF=stance.p_WF + ahead)
-
-
-def turned_with_pelvis(
-    step: Footstep, turned: float, stance: FootPose, limits: StepLimits
-) -> Footstep:
-    """Returns the step with its heading turned as far as the pelvis, within ``limits``.
-
-    Args:
-        step: The step, with the heading that is commanded.
-        turned: Turn of the pelvis from its reference as the foot lands [rad]. A hip
-            that kept the foot's heading would have to stop it.
-        stance: The foot on the ground.
-        limits: Limits of the turn from the stance foot.
-    """
-    side = outward(step.foot)
-    outward_turn = side * wrap_angle(step.yaw + turned - stance.yaw)
-    allowed = min(max(outward_turn, -limits.toe_in), limits.toe_out)
-    return replace(step, yaw=wrap_angle(stance.yaw + side * allowed))
 
 
 def place_for_balance(

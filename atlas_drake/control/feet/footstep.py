@@ -48,6 +48,15 @@ def resolve_height(step: Footstep, stance: FootPose, limits: StepLimits) -> Foot
     return replace(step, p_WF=np.array([x, y, ground]), normal=UP)
 
 
+def saturated_heading(
+    yaw: float, foot: int, stance: FootPose, limits: StepLimits
+) -> float:
+    """Returns the heading nearest to ``yaw`` in which a foot can land [rad]."""
+    sign = outward(foot)
+    turn = sign * wrap_angle(yaw - stance.yaw)
+    return stance.yaw + sign * clip(turn, -limits.toe_in, limits.toe_out)
+
+
 def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     """Returns the step nearest to ``step`` that the robot can take from ``stance``."""
     R_WS = rotation_z(stance.yaw)
@@ -62,13 +71,10 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
             clip(p_SF[2], -limits.rise, limits.rise),
         ]
     )
-    turn = sign * clip(
-        sign * wrap_angle(step.yaw - stance.yaw), -limits.toe_in, limits.toe_out
-    )
     return replace(
         step,
         p_WF=stance.p_WF + R_WS @ reach,
-        yaw=stance.yaw + turn,
+        yaw=saturated_heading(step.yaw, step.foot, stance, limits),
         duration=clip(step.duration, *limits.duration),
         swing_height=clip(step.swing_height, *limits.swing_height),
         normal=_tilted_at_most(step.normal, limits.tilt),
