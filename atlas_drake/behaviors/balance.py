@@ -18,7 +18,13 @@ from atlas_drake.behaviors.body_sway import BodySway, arm_swing
 from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.foothold import WHOLE, Foothold, corners_down, observed
+from atlas_drake.control.balance.foothold import (
+    LEVEL,
+    WHOLE,
+    Foothold,
+    corner_heights,
+    observed,
+)
 from atlas_drake.control.feet.sole import sole_patches, toe_corners
 from atlas_drake.control.feet.sole_motion import SoleMotion, at_rest
 from atlas_drake.control.gains import ControlGains
@@ -328,7 +334,8 @@ class Balance:
 
         A sole that carries little is not counted on for more than it may soon carry,
         and only where it is known to carry. If it carries next to nothing although it
-        is ``planted`` there, it is pressed onto the ground, flat as it was.
+        is ``planted`` there, it is pressed onto the ground, flat as it was; as long as
+        an edge of it is near that ground, it is counted on.
         """
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
@@ -336,7 +343,7 @@ class Balance:
         part = observation.footholds[foot].part
         if part is not None:
             patch = replace(patch, corners=part)
-        trusted = self._trusted(observation, foot)
+        trusted = self._trusted(observation, foot, planted)
         if rests or planted is None:
             task = self._resting(observation, foot, self._stance_weight)
         else:
@@ -364,7 +371,7 @@ class Balance:
             return WHOLE
         if self._felt(observation, foot) < model.least_felt:
             return so_far
-        down = corners_down(ground, sole, corners)
+        down = np.abs(corner_heights(ground, sole, corners)) < LEVEL
         if down.all():
             # There is ground below all of it, even if the heel rises later.
             return WHOLE
@@ -412,11 +419,18 @@ class Balance:
         # At the first tick the robot is taken to stand.
         return self.gains.contact.full_load if math.isnan(felt) else felt
 
-    def _trusted(self, observation: Observation, foot: int) -> float:
+    def _trusted(
+        self, observation: Observation, foot: int, planted: FootPose | None = None
+    ) -> float:
         """Computes the load that a foot may soon carry, in weights of the robot."""
         model = self.gains.contact
         felt = max(self._felt(observation, foot), 0.0)
-        return model.unloaded_share + model.load_growth * felt
+        trusted = model.unloaded_share + model.load_growth * felt
+        if planted is None or trusted >= model.near_share:
+            return trusted
+        sole, corners = observation.terms.feet[foot], self._patches.whole.corners
+        lowest = float(corner_heights(planted, sole, corners).min())
+        return model.near_share if lowest < model.near else trusted
 
     def standing(
         self, observation: Observation, planted: tuple[FootPose, FootPose]

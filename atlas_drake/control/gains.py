@@ -121,6 +121,13 @@ class ContactModel(Configuration):
     load_growth: Positive[Ratio] = 2.5
     """Normal force that the QP may count on beyond that, relative to the measured one:
     a sole is trusted with the full weight after three ticks."""
+    near: NotNegative[Meters] = 0.01
+    """Height over its ground of a planted sole's lowest edge up to which the ground is
+    there, though no force is measured."""
+    near_share: NotNegative[Ratio] = 0.8
+    """Normal force that the QP may count on below such a sole, in weights of the robot.
+    A robot that hops by a centimeter would else fall freely: the QP yields as long as
+    it feels no force, and there is no force as long as it yields."""
     pressed: NotNegative[Meters] = 0.045
     """Depth below its ground toward which a planted sole moves that carries next to
     nothing."""

@@ -76,6 +76,28 @@ def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     assert less.max_normal_force == pytest.approx(0.05 * balance.weight)
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.2])
+def test_a_planted_sole_without_load_is_counted_on_near_its_ground(
+    balance, observe, slope
+):
+    contact, sole = balance.gains.contact, observe().terms.feet[1]
+    turn = rotation_x(slope)
+    standing = sole._replace(R_WF=sole.R_WF @ turn)
+    for height, felt, share in (
+        (0.5 * contact.near, 0.0, contact.near_share),
+        (0.5 * contact.near, 0.5, contact.unloaded_share + 0.5 * contact.load_growth),
+        (1.5 * contact.near, 0.0, contact.unloaded_share),
+    ):
+        ground = standing.p_WF - height * standing.R_WF[:, 2]
+        seen = observe()
+        terms = replace(seen.terms, feet=(seen.terms.feet[0], standing))
+        seen = replace(seen, terms=terms, foot_force=np.full(2, felt * balance.weight))
+        planted = FootPose(ground, standing.R_WF)
+        command = balance.in_contact(seen, 1, planted=planted)
+        limit = command.contact.max_normal_force
+        assert limit == pytest.approx(share * balance.weight)
+
+
 def test_a_planted_sole_without_load_is_pressed_down_and_flat(balance, observe):
     seen = observe()
     sole = seen.terms.feet[1]

@@ -393,15 +393,16 @@ def test_steps_land_on_their_places_whenever_their_message_comes(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, -1.0)])
-def test_a_push_in_step_with_a_foot_in_the_air_is_caught(direction):
+@pytest.mark.parametrize("push", [(0.66, 0.0), (0.0, 0.66), (0.0, -0.55)])
+def test_a_push_in_step_with_a_foot_in_the_air_is_caught(push):
     robot = Recording()
     robot.send(1, LEFT, 0.1, 0.14)
     assert robot.advance(
         LONGEST, lambda report: report.step_feedback.status_flags == STEPPING
     )
     robot.advance(0.4)
-    force = 0.66 * robot.sim.robot.mass / PUSH_DURATION * np.array([*direction, 0.0])
+    # Over the standing leg the foot has to cross, and less is caught.
+    force = robot.sim.robot.mass / PUSH_DURATION * np.array([*push, 0.0])
     robot.sim.apply_push("trunk", force, PUSH_DURATION)
     robot.advance(4.0)
     assert robot.texts("recovery")

@@ -420,7 +420,7 @@ def test_a_sole_that_a_push_has_turned_has_not_landed():
     run.until(stands)
 
 
-@pytest.mark.parametrize("kick", [[0.0, 0.0, 850.0], [-190.0, -200.0, 600.0]])
+@pytest.mark.parametrize("kick", [[0.0, 0.0, 850.0], [-190.0, -200.0, 650.0]])
 def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(kick):
     run = in_place()
     run.until(lambda record: not in_air(record))

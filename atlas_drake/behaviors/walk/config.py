@@ -83,6 +83,10 @@ class WalkRules(Configuration):
     quick_step: NotNegative[Seconds] = 0.70
     """Longest duration of a step in which the height of the center of mass may yield
     (``gains.weights.com_height_quick``): it has no time to sink far."""
+    quick_sink: NotNegative[MetersPerSecond] = 0.45
+    """Speed at which the center of mass sinks from which it is held up as in a slow
+    step. Above that of any touchdown: at a metre a second a walk that is held up lands
+    with 2.1 weights instead of 1.6."""
     transfer_change: NotNegative[Ratio] = 0.40
     """Largest change of a transfer's duration, as a share of it, to correct an early or
     late touchdown. A larger timing error comes from a disturbance, and is not corrected

@@ -46,14 +46,17 @@ def trunk_target(phase: WalkPhase, tick: WalkTick, nominal_height: float) -> Bod
     )
 
 
-def is_quick(phase: WalkPhase, config: WalkConfig) -> bool:
-    """Returns True if the present or next step is quick, on level ground.
+def is_quick(phase: WalkPhase, tick: WalkTick) -> bool:
+    """Returns True if the height of the center of mass may yield.
 
-    In a slow step, or up and down, a center of mass that sinks bends the knees beyond
-    what they carry.
+    It may if the present or next step is quick, on level ground. In a slow step, or up
+    and down, a center of mass that sinks bends the knees beyond what they carry; one
+    that sinks fast does so in any step.
     """
-    coming = phase.progress.coming
+    coming, config = phase.progress.coming, tick.config
     if not coming or coming[0].duration > config.rules.quick_step:
+        return False
+    if tick.observation.terms.com_velocity[2] < -config.rules.quick_sink:
         return False
     places = (coming[0], *phase.progress.feet)
     heights = [float(place.p_WF[2]) for place in places]

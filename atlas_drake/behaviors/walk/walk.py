@@ -95,7 +95,7 @@ class Walk(BehaviorProtocol):
             self._pendulum.omega,
             phase.support,
             feet,
-            quick=is_quick(phase, self._config),
+            quick=is_quick(phase, tick),
         )
         return Outcome(
             state=phase,

@@ -60,16 +60,15 @@ def ground_below(landed: FootPose, aimed: FootPose) -> FootPose:
     return FootPose(landed.p_WF + below * normal, aimed.R_WF)
 
 
-def corners_down(
+def corner_heights(
     ground: FootPose, sole: FootPose | FrameTerms, corners: np.ndarray
 ) -> np.ndarray:
-    """Determines which corners of a sole are within ``LEVEL`` of planned ground.
+    """Computes the heights of a sole's corners over planned ground [m], shape (k,).
 
-    ``corners`` are in F [m], shape (k, 2); returns booleans, shape (k,).
+    ``corners`` are in F [m], shape (k, 2); heights are along the normal of the ground.
     """
     normal = ground.R_WF[:, 2]
-    heights = corners @ (normal @ sole.R_WF)[:2] + normal @ (sole.p_WF - ground.p_WF)
-    return np.abs(heights) < LEVEL
+    return corners @ (normal @ sole.R_WF)[:2] + normal @ (sole.p_WF - ground.p_WF)
 
 
 def observed(
