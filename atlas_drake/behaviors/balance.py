@@ -19,10 +19,10 @@ from atlas_drake.config import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.foothold import (
-    LEVEL,
     WHOLE,
     Foothold,
     corner_heights,
+    corners_down,
     observed,
 )
 from atlas_drake.control.feet.sole import sole_patches, toe_corners
@@ -371,7 +371,7 @@ class Balance:
             return WHOLE
         if self._felt(observation, foot) < model.least_felt:
             return so_far
-        down = np.abs(corner_heights(ground, sole, corners)) < LEVEL
+        down = corners_down(ground, sole, corners)
         if down.all():
             # There is ground below all of it, even if the heel rises later.
             return WHOLE

@@ -122,8 +122,8 @@ class ContactModel(Configuration):
     """Normal force that the QP may count on beyond that, relative to the measured one:
     a sole is trusted with the full weight after three ticks."""
     near: NotNegative[Meters] = 0.01
-    """Height over its ground of a planted sole's lowest edge up to which the ground is
-    there, though no force is measured."""
+    """Height of a planted sole's lowest corner over its ground up to which the QP
+    counts on the sole though no force is measured."""
     near_share: NotNegative[Ratio] = 0.8
     """Normal force that the QP may count on below such a sole, in weights of the robot.
     A robot that hops by a centimeter would else fall freely: the QP yields as long as

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.balance.foothold import (
-    LEVEL,
     Foothold,
     corner_heights,
+    corners_down,
     ground_below,
     observed,
 )
@@ -27,7 +27,7 @@ def sole(R_WF, z):
 
 def seen(foothold, R_WF, z, *cops):
     for cop in cops:
-        down = np.abs(corner_heights(GROUND, sole(R_WF, z), CORNERS)) < LEVEL
+        down = corners_down(GROUND, sole(R_WF, z), CORNERS)
         foothold = observed(foothold, down, R_WF[:, 2], np.array(cop), CORNERS, MODEL)
     return foothold
 
@@ -36,14 +36,15 @@ def outside(foothold, point):
     return SupportPolygon(foothold.part).distance_outside(np.array(point))
 
 
-def test_the_heights_of_corners_are_over_the_ground_of_a_slope_too():
+def test_corners_are_down_within_the_tolerance_on_a_slope_too():
     for tilt in (np.eye(3), rotation_about(np.array([0.1, 0.2, 0.0]))):
         ground = FootPose(GROUND.p_WF, tilt)
-        for height in (0.0, 0.01, -0.01):
+        for height, is_down in ((0.0, True), (0.01, False), (-0.01, False)):
             p_WF = ground.p_WF + height * tilt[:, 2] + 0.02 * tilt[:, 0]
             there = FootPose(p_WF, tilt)
             heights = corner_heights(ground, there, CORNERS)
             np.testing.assert_allclose(heights, height, atol=1e-12)
+            assert (corners_down(ground, there, CORNERS) == is_down).all()
             below = ground_below(there, ground)
             np.testing.assert_allclose(
                 below.p_WF, p_WF - height * tilt[:, 2], atol=1e-12

@@ -71,6 +71,16 @@ def corner_heights(
     return corners @ (normal @ sole.R_WF)[:2] + normal @ (sole.p_WF - ground.p_WF)
 
 
+def corners_down(
+    ground: FootPose, sole: FootPose | FrameTerms, corners: np.ndarray
+) -> np.ndarray:
+    """Determines which corners of a sole are within ``LEVEL`` of planned ground.
+
+    ``corners`` are in F [m], shape (k, 2); returns booleans, shape (k,).
+    """
+    return np.abs(corner_heights(ground, sole, corners)) < LEVEL
+
+
 def observed(
     foothold: Foothold,
     down: np.ndarray,
