@@ -66,9 +66,10 @@ class WalkRules(Configuration):
     dcm_lost: NotNegative[Meters] = 0.01
     """Distance of the DCM outside the support polygon, beyond that of the plan, from
     which only a step saves the balance: the next foot lifts off at once."""
-    feet_apart: NotNegative[Meters] = 0.05
+    feet_apart: NotNegative[Meters] = 0.03
     """Distance of a foot from its place beside the other one, from which it is put
-    there once the balance is caught."""
+    there once the balance is caught. Below what a step in place is wider than the
+    stance (``in_place.width``)."""
     longest_wait: NotNegative[Seconds] = 0.25
     """Longest delay of lift-off until the DCM error is small enough."""
     straight_flexion: NotNegative[Radians] = 0.12
