@@ -89,6 +89,7 @@ def test_speed_has_the_figures_promised(load, monkeypatch):
         assert 0.0 < spread["low"] <= spread["median"] == result[name] <= spread["high"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
     if name.startswith("robot"):
@@ -231,6 +232,7 @@ def test_a_policy_that_dies_is_noticed_and_stand_takes_over(tmp_path):
     assert record["figures"]["quiet"] < 1.0
 
 
+@pytest.mark.slow
 def test_a_policy_and_environments_have_the_figures_promised(load, monkeypatch):
     users = load("users")
     monkeypatch.setattr(users, "TICKS", 3)

@@ -185,6 +185,7 @@ def refusal(message):
     return outcome
 
 
+@pytest.mark.slow
 @settings(
     max_examples=200,
     deadline=None,

@@ -95,6 +95,7 @@ def test_a_frame_of_the_robot_has_a_pose():
         sim.frame_pose("l_sol")
 
 
+@pytest.mark.slow
 def test_a_frame_of_two_models_is_refused_with_their_names():
     sim = AtlasSimulation(Scenario(world="tray"))
     with pytest.raises(ValueError, match=r"frames '__model__' of .*tray"):
@@ -129,6 +130,7 @@ class Nodding:
     com: np.ndarray
 
 
+@pytest.mark.slow
 def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
     sim = AtlasSimulation(behaviors=[BehaviorEntry(name="NOD", number=100, make=nod)])
     sim.publish(AtlasSimInterfaceCommand(behavior="NOD"))

@@ -107,6 +107,7 @@ def soles(sim):
 # ---- FREEZE and USER ---------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_freeze_stands_still():
     robot = Recording()
     robot.ask(" Freeze ")

@@ -100,6 +100,7 @@ def again(robot):
 # ---- lift-off ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_foot_lifts_off_as_planned_when_the_dcm_is_near_its_plan(plain):
     for k in lift_offs(plain):
         assert dcm_error(plain.records[k - 1]) < RULES.dcm_ready
@@ -120,6 +121,7 @@ def delay(run):
     return run.records[lift_offs(run)[1]].time - landed - TIMING.transfer(DURATION)
 
 
+@pytest.mark.slow
 def test_a_foot_waits_for_the_dcm_but_not_longer_than_it_may(waiting, robot):
     assert delay(waiting) == pytest.approx(RULES.longest_wait, abs=0.03)
     assert not waiting.sim.has_fallen
@@ -150,6 +152,7 @@ def has_lost_dcm(record):
     return outside - max(planned, 0.0) > RULES.dcm_lost
 
 
+@pytest.mark.slow
 def test_a_lost_dcm_brings_lift_off_forward(hurried):
     assert delay(hurried) < -0.02
     assert not hurried.sim.has_fallen
@@ -161,6 +164,7 @@ def test_a_foot_lifts_off_as_soon_as_the_dcm_is_lost(hurried):
     assert not has_lost_dcm(hurried.records[lifted - 1])
 
 
+@pytest.mark.slow
 def test_a_foot_that_landed_steps_again_if_the_dcm_is_beyond_its_outer_side(again):
     (event,) = again.events("recovery")
     assert "(left)" in event.text
@@ -410,6 +414,7 @@ def tilt(orientation):
     return math.acos(1.0 - 2.0 * (x * x + y * y))
 
 
+@pytest.mark.slow
 def test_a_sole_that_a_push_has_turned_has_not_landed():
     run = in_place()
     run.until(lambda record: record.walk.t_step_rem < 0.14)
@@ -420,6 +425,7 @@ def test_a_sole_that_a_push_has_turned_has_not_landed():
     run.until(stands)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kick", [[0.0, 0.0, 850.0], [-190.0, -200.0, 650.0]])
 def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(kick):
     run = in_place()
@@ -441,6 +447,7 @@ def test_a_foot_that_is_kicked_off_the_ground_swings_back_and_the_walk_goes_on(k
     assert run.events("footstep")[-1].data["error_m"] < 0.01
 
 
+@pytest.mark.slow
 def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
     run = play(seconds=0.5)
     force = 0.8 * run.sim.robot.mass / 0.1
@@ -460,6 +467,7 @@ def test_after_a_catch_the_feet_come_together_on_the_way_to_rest():
     assert apart(second) == pytest.approx(width, abs=0.02)
 
 
+@pytest.mark.slow
 def test_the_last_step_after_a_catch_puts_the_feet_side_by_side():
     # Quick steps until the robot is quiet, and then one with the usual time.
     run = play(seconds=0.5)
@@ -474,6 +482,7 @@ def test_the_last_step_after_a_catch_puts_the_feet_side_by_side():
     np.testing.assert_allclose((left - right)[:2], [0.0, width], atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_robot_that_a_push_tips_over_one_foot_keeps_its_height():
     # The other foot leaves the ground; it is pressed back, and carries the next step.
     run = play(seconds=0.5)

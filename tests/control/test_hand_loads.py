@@ -82,6 +82,7 @@ def test_the_model_has_what_pulls_at_the_hands_beside_their_loads():
     assert not loaded.pull_offset.any()
 
 
+@pytest.mark.slow
 def test_a_robot_that_presses_against_a_wall_stays_upright():
     """The wall's force is part of the model: the CoP moves, the robot does not."""
     wall = {"size": [0.1, 1.0, 2.0], "position": [0.57, 0.0, 2.0]}
@@ -148,6 +149,7 @@ def test_feet_land_where_they_are_told_with_a_bag_in_one_hand():
     assert landing(sim)["landing_max_m"] < 0.005
 
 
+@pytest.mark.slow
 def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
     sim = AtlasSimulation(world=[hang])
     sim.advance(2.0)
@@ -163,6 +165,7 @@ def test_a_bag_on_a_hand_is_felt_and_leaves_the_robot_upright():
     assert loads[0] == pytest.approx(loads[1], rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_hand_on_the_own_hip_is_no_pull():
     sim = AtlasSimulation()
     hands, state = HandMotion(sim.robot), sim.output("state")

@@ -45,6 +45,7 @@ def dampings(sim):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", [0.0, 0.06])
 def test_the_motors_of_back_and_legs_on_the_ground_hold_speeds(hold):
     scenario = Scenario(controller={"gains": {"speed_hold": hold}})

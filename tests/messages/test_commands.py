@@ -244,6 +244,7 @@ def test_each_message_is_an_event_and_a_good_one_clears_the_error_alone():
     assert kept == [None, accept(good, ROBOT).message, accept(stand, ROBOT).message]
 
 
+@pytest.mark.slow
 def test_entries_of_the_last_moments_are_all_kept_and_older_ones_dropped():
     force = START
     for number in range(6 * KEPT):

@@ -74,6 +74,7 @@ BESIDE_THE_BODY = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", BESIDE_THE_BODY)
 def test_no_arm_is_within_the_body(robot, state, place):
     """Most of these places are reached only through the chest, or around it."""

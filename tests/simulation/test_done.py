@@ -80,6 +80,7 @@ def times(fields):
     return [one["time"] for name in ("messages", "pushes") for one in fields[name]]
 
 
+@pytest.mark.slow
 def test_a_short_run_by_hand_ends_in_the_same_bits(by_hand):
     by_hand.ask("WALK", walk_params=AtlasBehaviorWalkParams(use_demo_walk=True))
     by_hand.go_to_tick()
@@ -92,6 +93,7 @@ def test_a_short_run_by_hand_ends_in_the_same_bits(by_hand):
     np.testing.assert_array_equal(state_of(again), state_of(by_hand.sim))
 
 
+@pytest.mark.slow
 def test_messages_and_pushes_of_a_schedule_come_again_with_the_same_bits():
     schedule = [
         {"time": 0.0, "atlas_sim_interface_command": {"behavior": "MANIPULATE"}},
@@ -188,6 +190,7 @@ def test_going_back_forgets_what_came_at_that_instant_and_after(by_hand):
         sim.advance(0.02)
 
 
+@pytest.mark.slow
 def test_what_was_sent_at_a_reset_comes_a_tick_later(by_hand):
     by_hand.sim.reset(seed=0)
     by_hand.ask("MANIPULATE")

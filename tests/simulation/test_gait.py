@@ -76,6 +76,7 @@ def test_backward_the_soles_stay_flat():
     assert np.abs(pitches(records)[loads(records) > 20.0]).max() < 0.03
 
 
+@pytest.mark.slow
 def test_arms_swing_against_the_legs(rolling):
     joints = np.array([r.joints.position for r in rolling])
     feet = np.array([r.feet.left_position - r.feet.right_position for r in rolling])

@@ -165,6 +165,7 @@ def test_a_gantry_needs_a_behavior_that_hangs():
         AtlasSimulation(Scenario(start=Start(on_gantry=True)))
 
 
+@pytest.mark.slow
 def test_a_reset_takes_the_footsteps_away_in_records_and_in_the_log(tmp_path):
     path = tmp_path / "run.mcap"
     with AtlasSimulation(log=path) as sim:

@@ -110,6 +110,7 @@ def test_a_run_with_another_seed_is_that_of_a_new_simulation(fields):
     assert record(sim) == first
 
 
+@pytest.mark.slow
 def test_a_restart_is_the_run_of_a_new_simulation(sim):
     sim.advance(0.05)
     other = scenario(
@@ -205,6 +206,7 @@ def test_a_log_holds_one_run(sim, tmp_path):
 
 
 # At a control tick, at a physics step, and between two steps.
+@pytest.mark.slow
 @pytest.mark.parametrize("begin", [0.063, 0.066, 0.0701])
 def test_a_restored_run_goes_on_to_the_bit(sim, begin):
     sim.advance_to(begin)
@@ -220,6 +222,7 @@ def test_a_restored_run_goes_on_to_the_bit(sim, begin):
         assert record(sim) == straight
 
 
+@pytest.mark.slow
 def test_a_snapshot_survives_other_runs(sim):
     sim.advance(0.05)
     snapshot, mass = sim.snapshot(), total_mass(sim)

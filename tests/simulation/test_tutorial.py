@@ -118,6 +118,7 @@ def test_the_steps_that_people_read_are_those_of_the_schedule():
     assert times >= {step.begin for step in STEPS}
 
 
+@pytest.mark.slow
 def test_a_schedule_is_dropped_at_once():
     sim = AtlasSimulation(Scenario(schedule="tutorial"))
     sim.advance(0.1)

@@ -90,6 +90,7 @@ def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
         np.testing.assert_allclose(sim.pelvis_pose.translation(), begin, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("restored_loggers")
 def test_the_command_line_takes_a_world(capsys):
     arguments = ["run", str(EXAMPLE), "--headless"]
@@ -120,6 +121,7 @@ def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
     assert sim.summary()["success"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lever", "opens"), [(0.0, False), (0.65, True)])
 def test_the_door_opens_only_if_its_lever_is_pressed(lever, opens):
     sim = AtlasSimulation(Scenario(world="door"))

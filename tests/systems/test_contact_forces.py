@@ -55,6 +55,7 @@ def test_the_sensors_read_surfaces_as_well_as_points(tmp_path):
     assert sum(loads) == pytest.approx(9.81 * sim.robot.mass, rel=0.1)
 
 
+@pytest.mark.slow
 def test_soles_touch_the_ground_at_points():
     points = Scenario(plant=plant_config(contact_model="point"))
     sims = AtlasSimulation(), AtlasSimulation(points)

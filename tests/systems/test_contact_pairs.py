@@ -12,6 +12,7 @@ CRATE = "models/worlds/crate.sdf"
 MASS = 10.0
 
 
+@pytest.mark.slow
 def test_pairs_are_what_the_plant_exerts():
     """The crate slides on the table on a surface, the soles are on points."""
     pairs = [["crate", "world"], ["world", "crate"], ["l_foot"], ["l_foot", "crate"]]

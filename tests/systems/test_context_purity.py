@@ -49,6 +49,7 @@ def remembered(diagram, simulator):
     return [context.get_time(), np.concatenate([*numbers, *vectors]).tobytes(), *values]
 
 
+@pytest.mark.slow
 def test_contexts_that_run_in_turns_know_nothing_of_each_other(diagram):
     alone = Simulator(diagram)
     begin = alone.get_context().Clone()

@@ -42,6 +42,7 @@ def test_a_delay_is_that_of_every_effort_and_speed(steps):
     assert not sim.has_fallen
 
 
+@pytest.mark.slow
 def test_noise_is_a_share_of_the_limits_drawn_from_the_seed():
     def run(seed):
         sim.reset(seed=seed)

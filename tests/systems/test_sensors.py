@@ -12,6 +12,7 @@ from atlas_drake.systems.sensor_noise import NOISE_MODELS
 from atlas_drake.units import GRAVITY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "noise"), [("atlas", "none"), ("atlas_v3", "rough")])
 def test_the_sensors_measure_the_motion_of_the_robot(model, noise):
     sim = AtlasSimulation(Scenario(model=model, noise=noise))

@@ -32,6 +32,7 @@ directives:
 """
 
 
+@pytest.mark.slow
 def test_the_example_has_a_ball_and_a_ramp():
     scenario = load_scenario(EXAMPLES / "ball.yaml")
     assert [Path(model.file).is_file() for model in scenario.models] == [True, True]
@@ -96,6 +97,7 @@ def test_a_fault_counts_though_its_log_is_silent(tmp_path, monkeypatch):
     assert logging.getLogger("drake").disabled
 
 
+@pytest.mark.slow
 def test_models_of_one_file_get_names_of_their_own(tmp_path):
     file = tmp_path / "two.dmd.yaml"
     file.write_text(DIRECTIVES.format(ball=BALL))
@@ -145,6 +147,7 @@ def test_a_file_of_several_models_may_not_be_welded(tmp_path):
         Scenario(models=[Model(file=str(file), weld=True)]).validate()
 
 
+@pytest.mark.slow
 def test_a_crate_that_nobody_touches_stays_where_it_is():
     sim = AtlasSimulation(Scenario(world="tables"))
     sim.advance(0.3)
@@ -153,6 +156,7 @@ def test_a_crate_that_nobody_touches_stays_where_it_is():
     np.testing.assert_allclose(sim.output("crate.state"), before, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_every_seed_has_a_place_and_a_mass_of_its_own_within_the_jitter():
     ball = {"file": BALL, "X_WB": {"translation": [2.0, 1.0, 0.8]}}
     ball["jitter"] = {"position": 0.2, "yaw": 0.5, "mass": 0.3}

@@ -35,6 +35,7 @@ def test_the_top_face_is_where_it_was_put():
     np.testing.assert_allclose(top, [1.0, 2.0, 0.3], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_robot_stands_on_a_block():
     top, friction = 0.10, 0.8
     block = Block(size=[2.0, 2.0, 0.1], position=[1.0, 0.5, top], friction=friction)

@@ -44,6 +44,7 @@ def test_level_ground_is_the_default_and_adds_nothing():
     )
 
 
+@pytest.mark.slow
 def test_the_shipped_worlds_have_something_and_a_free_start():
     shipped = {"qual_task_1", "stairs", "ramp", "blocks", "rubble", "bricks", "tables"}
     shipped |= {"valve", "door", "box", "tray"}
@@ -89,6 +90,7 @@ def test_settings_change_the_world_that_is_there():
     assert with_settings(steep, ["world.ramp=null"]).all_terrain() == []
 
 
+@pytest.mark.slow
 def test_a_path_works_as_a_name_does(own):
     world = Scenario(world=str(own)).validate().world
     assert world.name == str(own)

@@ -19,6 +19,7 @@ from atlas_drake.clients.campaigns.plan import (
 )
 
 
+@pytest.mark.slow
 def test_trials_draw_their_values_from_the_distributions_of_the_file(campaign_file):
     path = campaign_file(
         "vary:\n"

@@ -159,6 +159,7 @@ def test_a_threshold_is_found_from_either_side(search, bears, passed, failed):
 # ---- table, report and figures -----------------------------------------------
 
 
+@pytest.mark.slow
 def test_cases_and_figures_of_all_types_have_table_report_and_figures(tmp_path):
     cases = [{"a": 1, "b": [2]}, {"b": [2]}, [1, 2], 3, "word"]
     campaign = Campaign(cases={"parameters.x": cases})

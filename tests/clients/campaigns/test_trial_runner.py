@@ -50,6 +50,7 @@ def test_the_walk_takes_the_gait_of_its_parameters():
     assert landings[2] - landings[1] == pytest.approx(0.8, abs=0.03)
 
 
+@pytest.mark.slow
 def test_every_trial_is_reproducible_alone(campaign):
     lines = "vary: {ground_friction: {uniform: [0.5, 0.9]}}"
     cases = "cases: {controller.gains.dcm_gain: [2.0, 2.5]}"
@@ -70,6 +71,7 @@ def test_every_trial_is_reproducible_alone(campaign):
     assert same_result(alone) == same_result(records[2])
 
 
+@pytest.mark.slow
 def test_user_functions_run_and_measure_a_trial(campaign):
     campaign = campaign(LINES, OWN)
     trial_runner = TrialRunner(campaign)

@@ -160,6 +160,7 @@ def test_options_are_checked_like_the_file(options, complaints, capsys):
 # ---- runs --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_keys):
     file, log, page = (tmp_path / f"run.{end}" for end in ("json", "mcap", "html"))
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
@@ -398,6 +399,7 @@ def _event(kind):
 # ---- teleoperation -----------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_teleop_prints_its_address_and_ends_after_its_duration(capsys):
     assert main(["teleop", "--duration", "0.2", "--show", "all"]) == 0
     out = capsys.readouterr().out

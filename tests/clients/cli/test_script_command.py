@@ -40,6 +40,7 @@ def program(tmp_path):
     return write
 
 
+@pytest.mark.slow
 def test_a_program_has_summary_log_and_verdict(program, tmp_path, capsys):
     path = program(
         "import rospy, sys\n"

@@ -36,6 +36,7 @@ def test_a_host_of_another_computer_is_refused():
         Cockpit(host="192.0.2.1")
 
 
+@pytest.mark.slow
 def test_the_page_is_served_and_the_run_goes_on_without_it(cockpit, flown):
     page = urllib.request.urlopen(cockpit.web_url()).read().decode()
     assert "atlas_drake" in page
@@ -57,6 +58,7 @@ def test_a_simulation_that_follows_takes_the_page_over(cockpit, flown):
     assert following.hooks == []
 
 
+@pytest.mark.slow
 def test_a_simulation_is_opened_with_its_cockpit_in_real_time(capsys):
     sim, cockpit = open_cockpit(Scenario(name="seen"))
     assert cockpit.web_url() in capsys.readouterr().out

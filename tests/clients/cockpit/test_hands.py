@@ -34,6 +34,7 @@ def pass_(run, seconds):
         run.sim.advance(0.02)
 
 
+@pytest.mark.slow
 def test_a_hand_gets_there_as_previewed_and_only_its_arm_changes_hands(run):
     robot = run.sim.robot
     asked = goal(run, [0.12, 0.03, 0.2], turn=0.2)
@@ -51,6 +52,7 @@ def test_a_hand_gets_there_as_previewed_and_only_its_arm_changes_hands(run):
     assert run.sim.current_behavior is Behavior.STAND
 
 
+@pytest.mark.slow
 def test_the_other_arm_keeps_what_the_user_told_it(run):
     robot, right = run.sim.robot, run.sim.robot.limb("r_arm")
     command = {
@@ -69,6 +71,7 @@ def test_the_other_arm_keeps_what_the_user_told_it(run):
         np.testing.assert_array_equal(getattr(after, name)[right], kept)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ends",
     [
@@ -89,6 +92,7 @@ def test_a_way_ends_by(run, ends):
     assert run.sim.output("commands").joints is commands
 
 
+@pytest.mark.slow
 def test_a_hand_that_is_stopped_stays_where_it_is(run):
     run.do("move_hand", **goal(run, [0.12, 0.0, 0.25]))
     pass_(run, 0.7)
@@ -98,6 +102,7 @@ def test_a_hand_that_is_stopped_stays_where_it_is(run):
     np.testing.assert_allclose(palm(run)[0], stopped, atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_behavior_lets_the_hand_go_on(run):
     asked = goal(run, [0.12, 0.0, 0.25])
     duration = run.do("move_hand", **asked)
@@ -106,6 +111,7 @@ def test_a_behavior_lets_the_hand_go_on(run):
     np.testing.assert_allclose(palm(run)[0], asked["position_W"], atol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "named"),
     [

@@ -36,6 +36,7 @@ def replay(log, meshcat):
     return Asked(LogPage(log, [], meshcat, Overlays(["com"])))
 
 
+@pytest.mark.slow
 def test_a_frame_shows_the_record_of_its_time(replay, log):
     replay.do("seek", time=0.5)
     shown, record = replay.shown(), log.record(log.row_at(0.5))

@@ -30,6 +30,7 @@ def start():
         process.wait(PATIENCE)
 
 
+@pytest.mark.slow
 def test_junk_makes_one_line_and_the_process_ends_with_its_line(start, capfd):
     link, process = start()
     (url,) = link.take(1, timeout=PATIENCE)

@@ -134,6 +134,7 @@ def test_meshcat_is_asked_only_for_what_it_has_named():
     asyncio.run(go())
 
 
+@pytest.mark.slow
 def test_a_file_that_does_not_come_is_asked_for_again_later():
     async def go():
         async with relayed() as (page, meshcat):

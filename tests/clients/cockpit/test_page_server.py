@@ -321,6 +321,7 @@ def test_nothing_can_be_uploaded():
     asyncio.run(go())
 
 
+@pytest.mark.slow
 def test_pages_that_are_only_fetched_leave_nothing():
     async def go():
         async with served() as page:

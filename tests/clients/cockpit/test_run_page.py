@@ -135,6 +135,7 @@ def test_time_is_paused_stepped_and_paced(run):
     run.do("rate", rate=0.0)
 
 
+@pytest.mark.slow
 def test_time_goes_back_to_what_was(run):
     clock, sim = run.page.clock, run.sim
     clock.keep_snapshot()
@@ -300,6 +301,7 @@ def test_the_effect_of_a_request_is_shown_before_its_answer(line):
     assert "pause" in answers[2].problem
 
 
+@pytest.mark.slow
 def test_requests_are_met_in_a_pause_which_ends_with_the_program(line):
     cockpit = Cockpit()
     sim = AtlasSimulation()
@@ -319,6 +321,7 @@ def test_requests_are_met_in_a_pause_which_ends_with_the_program(line):
     assert sim.current_behavior is Behavior.FREEZE
 
 
+@pytest.mark.slow
 def test_frames_wait_for_a_page_that_takes_them(line):
     cockpit = Cockpit()
     sim = AtlasSimulation()

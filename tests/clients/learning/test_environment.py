@@ -44,6 +44,7 @@ def test_gymnasiums_own_checks_pass():
         check_env(balance(duration=0.5), skip_render_check=True)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bits_and_another_one_others():
     env = balance(duration=1.0)
     ends = []
@@ -56,6 +57,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_one_others():
     assert (ends[0] != ends[1]).any()
 
 
+@pytest.mark.slow
 def test_a_fall_terminates_and_the_end_of_time_truncates():
     env = balance(push=(2.0, 2.1), duration=3.0)
     env.reset(seed=1)
@@ -80,6 +82,7 @@ def test_a_share_of_the_joints_stays_the_behaviors():
     assert (shares > 0).sum() == 2
 
 
+@pytest.mark.slow
 def test_a_velocity_walks():
     env = make(WalkVelocity(), ["projected_gravity"], period=0.1)
     env.reset(seed=0)
@@ -88,6 +91,7 @@ def test_a_velocity_walks():
     assert env.sim.current_behavior is Behavior.WALK
 
 
+@pytest.mark.slow
 def test_an_action_of_footsteps_lasts_for_a_step():
     env = make(Footsteps(), ["projected_gravity"])
     env.reset(seed=0)
@@ -103,6 +107,7 @@ def test_a_term_that_nobody_knows_is_named():
         make(observation=["mood"])
 
 
+@pytest.mark.slow
 def test_what_is_learned_runs_as_a_policy_with_the_same_numbers(tmp_path):
     env = make(observation=TERMS[:2])
     random = np.random.default_rng(1)

@@ -51,6 +51,7 @@ def with_columns(log, **columns):
     return replace(log, arrays=log.arrays | arrays)
 
 
+@pytest.mark.slow
 def test_the_page_has_every_figure_with_its_labels(log, page):
     assert len(page) == 17
     forces = page["Foot forces"]
@@ -123,6 +124,7 @@ def test_set_points_are_shown_where_the_user_has_a_share(log, page):
     assert curves(page["Left arm"], dashed=True) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [("com",), ()])
 def test_references_are_dashed_where_there_are_any(names, log):
     """STAND and WALK plan different ones, and a controller may plan none."""

@@ -54,6 +54,7 @@ def small_chunks(monkeypatch):
     monkeypatch.setattr(mcap_writer, "Writer", partial(Writer, chunk_size=CHUNK))
 
 
+@pytest.mark.slow
 def test_a_log_is_read_as_far_as_it_was_written(small_chunks, log, writer):
     for record in log.records():
         writer.record(record)
@@ -241,6 +242,7 @@ def test_a_damaged_part_of_a_record_is_named(message, log):
 BOW = {"name": "BOW", "number": 100, "color": "#7cb342", "description": ""}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("field", "value", "complaint"),
     [

@@ -186,6 +186,7 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     assert np.max(hands) > 20.0
 
 
+@pytest.mark.slow
 def test_the_footsteps_of_a_walk_are_read_as_they_were_planned(tmp_path):
     # While a foot swings, all that can be asked of a footstep has been asked.
     path = tmp_path / "run.mcap"

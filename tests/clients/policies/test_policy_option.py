@@ -14,6 +14,7 @@ def network(tmp_path):
     return save(tmp_path / "arm.onnx", [0.0, 0.0], metadata=METADATA)
 
 
+@pytest.mark.slow
 def test_a_policy_commands_a_run(network, tmp_path, capsys):
     summary = tmp_path / "run.json"
     options = ["--headless", "--duration", "0.6", "--json", str(summary)]
@@ -44,6 +45,7 @@ def test_what_cannot_be_is_said_in_one_line(network, arguments, words, capsys):
     assert told.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_a_file_names_a_policy_beside_it(network, tmp_path, capsys):
     scenario = tmp_path / "run.yaml"
     scenario.write_text("{policy: {file: arm.onnx, watchdog: true}, duration: 0.5}")
@@ -52,6 +54,7 @@ def test_a_file_names_a_policy_beside_it(network, tmp_path, capsys):
     assert "policy.velocity[2]" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_campaign_may_have_a_policy(network, tmp_path, capsys):
     campaign = tmp_path / "held.yaml"
     campaign.write_text("{duration: 0.4, trials: 2, success: [upright], metrics: []}")

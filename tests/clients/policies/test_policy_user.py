@@ -42,6 +42,7 @@ def told_of(sim, kind):
     return [event for event in sim.events if event.kind == kind]
 
 
+@pytest.mark.slow
 def test_it_moves_its_joints_and_no_others(simulate):
     sim = simulate([-0.4, 0.8])
     sim.advance(1.5)
@@ -53,6 +54,7 @@ def test_it_moves_its_joints_and_no_others(simulate):
     assert not sim.has_fallen
 
 
+@pytest.mark.slow
 def test_a_persons_joints_stay_the_persons(simulate):
     sim = simulate([0.0, 0.0])
     elbow = ROBOT.joint_index("l_arm_elx")
@@ -70,6 +72,7 @@ def test_a_persons_joints_stay_the_persons(simulate):
     assert policy.runs
 
 
+@pytest.mark.slow
 def test_it_gives_its_joints_up_once_somebody_takes_them(simulate):
     sim = simulate([0.0, 0.0])
     sim.advance(0.5)
@@ -96,6 +99,7 @@ def test_what_is_no_number_is_never_applied(simulate):
     assert not np.any(sim.atlas_state.k_effort)
 
 
+@pytest.mark.slow
 def test_a_schedule_commands_beside_it_and_takes_its_joints(simulate, tmp_path):
     file = save(tmp_path / "p.onnx", [-0.4, 0.8], metadata=METADATA)
     stand = {"behavior": "STAND", "k_effort": [0] * ROBOT.num_joints}
@@ -114,6 +118,7 @@ def test_a_schedule_commands_beside_it_and_takes_its_joints(simulate, tmp_path):
     assert 1.0 <= told_of(sim, "policy")[0].time < 1.05
 
 
+@pytest.mark.slow
 def test_a_watchdog_that_is_switched_off_does_nothing(simulate):
     sim = simulate([-10.0, 0.0], watchdog=True)
     policy_of(sim).watch(False)
@@ -139,6 +144,7 @@ def test_a_simulation_without_a_policy_has_none():
     assert policy_of(AtlasSimulation()) is None
 
 
+@pytest.mark.slow
 def test_an_event_is_told_once_also_after_going_back(simulate):
     sim = simulate([np.nan, 0.0])
     before = sim.snapshot()
@@ -159,6 +165,7 @@ def test_a_scenario_of_what_was_done_has_its_messages_and_not_the_policy(simulat
     assert len(done.messages) > 10
 
 
+@pytest.mark.slow
 def test_a_memory_counts_from_the_start_and_a_new_run_repeats_it(simulate):
     sim = simulate([0.0, 0.0], recurrent=True)
     ends = []
@@ -199,6 +206,7 @@ def test_a_watchdog_takes_the_joints_of_a_policy_that_wants_too_much(simulate):
     assert "r_arm_shx" in told[0].text
 
 
+@pytest.mark.slow
 def test_a_watchdog_waits_for_two_periods_and_not_longer(simulate):
     sim = simulate([0.0, 0.0], watchdog=True)
     sim.advance(0.5)

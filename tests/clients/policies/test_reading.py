@@ -126,6 +126,7 @@ def test_a_network_without_metadata_asks_for_a_description(tmp_path):
         read_policy(save(tmp_path / "p.onnx", [0.0, 0.0]))
 
 
+@pytest.mark.slow
 def test_a_description_makes_the_robot_that_of_the_training(tmp_path):
     """Its rotors are so heavy that the arm hardly moves."""
     moved = []

@@ -45,6 +45,7 @@ def run(run):
     return lambda text, **options: run(HEAD + text, **{"end": 20.0} | options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "printed", "notes"),
     [

@@ -48,6 +48,7 @@ def goal(force=0.0):
     return HandGoal("l_hand", PLACE, force=(0.0, 0.0, force))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [0.0, BAG])
 def test_a_hand_gets_there_on_a_line_and_does_not_sag(load):
     sim = AtlasSimulation(world=[bag] if load else [])
@@ -84,6 +85,7 @@ def test_a_palm_gives_way_as_softly_as_it_was_told():
     assert softest == pytest.approx(1.0 / stiffness, rel=0.1)
 
 
+@pytest.mark.slow
 def test_stiffness_changes_without_a_jump_and_has_its_range():
     sim = AtlasSimulation()
     hands, arm = HandMotion(sim.robot), sim.robot.limb("l_arm")
@@ -100,6 +102,7 @@ def test_stiffness_changes_without_a_jump_and_has_its_range():
             HandGoal("l_hand", PLACE, stiffness=wrong)
 
 
+@pytest.mark.slow
 def test_a_hand_that_is_carried_stays_at_the_chest():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
@@ -111,6 +114,7 @@ def test_a_hand_that_is_carried_stays_at_the_chest():
     np.testing.assert_allclose(X_WT @ np.array(carried.position), PLACE, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_out_of_reach_leaves_the_motion_before_in_force():
     sim = AtlasSimulation()
     hands = HandMotion(sim.robot)
@@ -131,6 +135,7 @@ def test_a_duration_that_is_none_is_refused(duration):
         hands.aim(sim.time, sim.output("state"), [goal()], duration)
 
 
+@pytest.mark.slow
 def test_jolts_of_the_trunk_do_not_throw_a_stretched_arm_about():
     """Where a millimetre of the palm would cost a tenth of a radian of the elbow."""
     sim = AtlasSimulation()

@@ -26,6 +26,7 @@ def degrees_between(one, other):
     return np.degrees(np.arccos(min(cosine, 1.0)))
 
 
+@pytest.mark.slow
 def test_a_hand_points_where_it_is_told():
     sim = AtlasSimulation()
     there, aside = np.array([0.35, 0.3, 1.05]), np.array([0.8, 0.6, 0.0])
@@ -35,6 +36,7 @@ def test_a_hand_points_where_it_is_told():
     assert degrees_between(axis, aside) < 1.0
 
 
+@pytest.mark.slow
 def test_a_goal_at_a_thing_is_where_the_thing_is():
     sim = AtlasSimulation(Scenario(world="box"))
     X_WB = RigidTransform(RotationMatrix.MakeZRotation(0.4), [0.8, 0.4, 0.45])
@@ -109,6 +111,7 @@ def test_the_whole_body_brings_a_hand_where_its_arm_does_not_reach(place):
     assert not sim.footsteps
 
 
+@pytest.mark.slow
 def test_what_the_whole_body_does_not_reach_is_refused_and_nothing_moves():
     sim = AtlasSimulation()
     with pytest.raises(InvalidMessageError, match=r"cannot reach it, .* the nearest"):
@@ -117,6 +120,7 @@ def test_what_the_whole_body_does_not_reach_is_refused_and_nothing_moves():
     assert sim.current_behavior is Behavior.STAND
 
 
+@pytest.mark.slow
 def test_hands_without_a_goal_are_the_behaviors():
     sim = AtlasSimulation()
     work = HandWork(sim)
@@ -127,6 +131,7 @@ def test_hands_without_a_goal_are_the_behaviors():
     assert not sim.output("commands").joints.k_effort.any()
 
 
+@pytest.mark.slow
 def test_an_act_ends_when_the_robot_falls():
     sim = AtlasSimulation()
     work = HandWork(sim)

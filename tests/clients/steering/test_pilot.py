@@ -96,6 +96,7 @@ def test_walking_begins_within_a_tenth_of_a_second(sim, pilot):
     assert pilot.direction == (1.0, 0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_a_walk_waits_until_the_robot_stands(sim, pilot):
     pilot.behave("manipulate")
     sim.advance(0.1)

@@ -159,6 +159,7 @@ def test_a_camera_may_look_straight_down():
 # ---- pictures ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_robot_stands_in_the_picture(plain):
     # Of the robot, not of the ground, which looks the same along a row.
     rows, columns = np.nonzero(differing(plain, plain[:, :1], by=60))
@@ -169,6 +170,7 @@ def test_the_robot_stands_in_the_picture(plain):
     assert rows.min() < horizon < rows.max() - 0.3 * HEIGHT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "color"), [("com", COM), ("forces", FORCE), ("support", None)]
 )
@@ -184,6 +186,7 @@ def test_an_overlay_is_a_shape_in_the_picture(name, color, plain, picture):
         assert np.ptp(rows) > 0.2 * HEIGHT
 
 
+@pytest.mark.slow
 def test_links_have_the_color_of_their_owner(plain, picture):
     shown = picture("owner").astype(float)
     light = shown / np.linalg.norm(shown, axis=2, keepdims=True)
@@ -235,6 +238,7 @@ def test_a_mesh_that_cannot_be_drawn_is_named(log, tmp_path):
 # ---- command line --------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_log_is_filmed_beside_it(log_file, capsys):
     options = [
         "--size",
@@ -250,6 +254,7 @@ def test_a_log_is_filmed_beside_it(log_file, capsys):
     assert found[0].shape == (HEIGHT, WIDTH, 3)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_pictures_so_far(log_file, tmp_path, capsys, monkeypatch):
     path, add = tmp_path / "film.mp4", FilmFile.add
 
@@ -285,6 +290,7 @@ def test_options_that_cannot_be_used_exit_with_2(
     assert word in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_run_is_filmed_with_what_it_shows(tmp_path, capsys):
     scenario, path = tmp_path / "scenario.yaml", tmp_path / "film.gif"
     scenario.write_text("duration: 0.1\n")

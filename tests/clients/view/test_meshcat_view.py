@@ -149,6 +149,7 @@ def test_the_view_has_robot_ground_and_footsteps():
     assert meshcat.HasPath(f"{PATH}/footsteps/1")
 
 
+@pytest.mark.slow
 def test_links_are_covered_by_copies_while_they_are_colored():
     meshcat, overlays = Meshcat(), Overlays(["owner"])
     sim = AtlasSimulation(view=meshcat, overlays=overlays)

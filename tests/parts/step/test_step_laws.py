@@ -81,6 +81,7 @@ def phases(run):
 # ---- the weight shift --------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_weight_shift_leads_from_the_robot_to_the_middle_of_the_stance_sole(one_step):
     run, foot = one_step
     begun, _ = phases(run)
@@ -262,6 +263,7 @@ def test_at_rest_the_body_is_half_way_between_feet_at_different_heights():
 # ---- reports and messages ----------------------------------------------------
 
 
+@pytest.mark.slow
 def test_without_a_step_the_robot_waits_in_double_support():
     run = play(AtlasSimInterfaceCommand(behavior="STEP"), seconds=0.5)
     feedback = run.sim.record.step
@@ -273,6 +275,7 @@ def test_without_a_step_the_robot_waits_in_double_support():
     assert stands(run.sim.record)
 
 
+@pytest.mark.slow
 def test_the_event_at_the_end_names_the_steps_left_out():
     for coming, named in ((None, "step 1"), (step(2), "steps 1, 2")):
         run = play(step(), seconds=0.2)
@@ -293,6 +296,7 @@ def test_after_a_step_that_is_done_nothing_is_left_out():
     assert texts(run) == []
 
 
+@pytest.mark.slow
 def test_the_paths_are_those_of_the_weight_shift_and_then_of_the_foot():
     run = play(step(), seconds=0.1)
     record, paths = run.sim.record, run.sim.output("planned_paths")
