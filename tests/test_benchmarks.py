@@ -240,3 +240,14 @@ def test_a_policy_and_environments_have_the_figures_promised(load, monkeypatch):
     steps, ratio = users.rate(users.walk(), 0.3)
     assert steps > 0.0
     assert ratio > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("behavior", ["MANIPULATE", "STEP"])
+def test_a_push_comes_in_the_behavior_that_is_asked_for(behavior):
+    parameters = {"behavior": behavior, "speed": 0.6, "direction": 0.0}
+    with AtlasSimulation(Scenario(seed=3)) as sim:
+        done = module_of("standing").pushed(sim, parameters)
+        changes = [event.text for event in sim.events if event.kind == "behavior"]
+    assert changes[:2] == [f"STAND -> {behavior}", f"{behavior} -> WALK (by itself)"]
+    assert done["stands"]
