@@ -40,12 +40,6 @@ TOLERANCE = 5e-3
 NEARNESS, ANGLE, POSTURE = 1e4, 3.0, 1e-2
 """Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
 millimetre counts as much as an axis that is off by 6°."""
-
-STEP = 1.0
-"""The weight of a joint's way where the search is a step of a motion [1/rad²]: least
-squares damped by 1 cm/rad. An arm that is nearly straight is not thrown about by each
-jolt of the trunk. Y. Nakamura and H. Hanafusa, "Inverse kinematic solutions with
-singularity robustness for robot manipulator control", J. Dyn. Sys. 1986."""
 _WATCHED = 0.03
 """Distance of two links from which the search keeps them apart [m]."""
 _ITERATIONS = 60
@@ -114,7 +108,6 @@ def reach(
     state: np.ndarray,
     goals: Sequence[HandGoal],
     near: np.ndarray | None = None,
-    within: float = math.inf,
 ) -> Reach:
     """Finds the positions of the arms' joints with which hands reach their goals.
 
@@ -126,7 +119,6 @@ def reach(
         goals: At most one for each hand.
         near: Joint positions from which the search begins, and to which it keeps [rad],
             shape (n,), message order; None for those of ``state``.
-        within: Largest way of a joint from there [rad], for a step of a motion.
 
     Raises:
         InvalidMessageError: If the robot has no such hand, or one has two goals.
@@ -136,28 +128,20 @@ def reach(
     if near is not None:
         q[moving] = near[limbs]
     fixed = np.setdiff1d(np.arange(len(q)), moving)
-    lowest, highest = robot.position_lower[limbs], robot.position_upper[limbs]
-    q[moving] = np.clip(q[moving], lowest, highest)
-    open_turn = [g for g in goals if g.direction is None and g.orientation is None]
-    margin = _FREE * arms_of(robot, open_turn)[limbs]
-    # A joint that is nearer to its stop may stay there.
-    lowest = np.minimum(lowest + margin, q[moving])
-    highest = np.maximum(highest - margin, q[moving])
-    lower = np.maximum(lowest, q[moving] - within)
-    upper = np.minimum(highest, q[moving] + within)
+    stops = robot.position_lower[limbs], robot.position_upper[limbs]
+    q[moving] = np.clip(q[moving], *stops)
+    lower, upper = range_of(robot, goals, q[moving])
     kinematics = kinematics_of(robot, state, limbs)
     program, variables = kinematics.prog(), kinematics.q()
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
     program.AddBoundingBoxConstraint(lower, upper, variables[moving])
-    from_afar = math.isinf(within)
-    posture = (POSTURE if from_afar else STEP) * np.eye(len(moving))
-    program.AddQuadraticErrorCost(posture, q[moving], variables[moving])
+    program.AddQuadraticErrorCost(
+        POSTURE * np.eye(len(moving)), q[moving], variables[moving]
+    )
     add_costs(kinematics, robot, goals)
-    # From afar a search may get stuck at a limit that it meets on its way.
-    starts = [q[moving]]
-    if from_afar:
-        starts += [robot.stand_prep[limbs], 0.5 * (lower + upper)]
-        add_holding(kinematics, robot, moving, q, goals)
+    add_holding(kinematics, robot, moving, q, goals)
+    # A search may get stuck at a limit that it meets on its way.
+    starts = [q[moving], robot.stand_prep[limbs], 0.5 * (lower + upper)]
     options = SolverOptions()
     options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
     results = []
@@ -169,6 +153,26 @@ def reach(
     # A step of the line search may end beyond the limits by rounding.
     q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
     return reached(robot, q, goals)
+
+
+def range_of(
+    robot: Robot, goals: Sequence[HandGoal], positions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the least and greatest positions of the arms' joints, message order.
+
+    A joint that is nearer to its stop may stay there.
+
+    Args:
+        robot: The robot.
+        goals: At most one for each hand.
+        positions: Where the joints of their arms are [rad].
+    """
+    limbs = arms_of(robot, goals)
+    open_turn = [g for g in goals if g.direction is None and g.orientation is None]
+    margin = _FREE * arms_of(robot, open_turn)[limbs]
+    lowest = np.minimum(robot.position_lower[limbs] + margin, positions)
+    highest = np.maximum(robot.position_upper[limbs] - margin, positions)
+    return lowest, highest
 
 
 def kinematics_of(

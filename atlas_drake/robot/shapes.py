@@ -12,6 +12,7 @@ from pydrake.geometry import (
     SceneGraph,
 )
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from atlas_drake.robot.robot import Robot
@@ -74,6 +75,39 @@ class Shapes:
             pair = GeometrySet(one), GeometrySet(other)
             filters.Apply(CollisionFilterDeclaration().ExcludeBetween(*pair))
         return plant.GetMyMutableContextFromRoot(root)
+
+    def distances(self, context: Context, most: float) -> tuple[np.ndarray, np.ndarray]:
+        """Computes how far links are from each other that are near.
+
+        Args:
+            context: Of the plant, from ``context`` or ``context_for``.
+            most: Largest distance that counts as near [m].
+
+        Returns:
+            Distances [m], shape (m,), and their derivatives by time over the plant's
+            velocities, shape (m, number of velocities).
+        """
+        plant, inspector = self.plant, self.scene_graph.model_inspector()
+        query = plant.get_geometry_query_input_port().Eval(context)
+        near = query.ComputeSignedDistancePairwiseClosestPoints(most)
+
+        def velocity(shape: GeometryId, p_GC: np.ndarray) -> np.ndarray:
+            body = plant.GetBodyFromFrameId(inspector.GetFrameId(shape))
+            J: np.ndarray = plant.CalcJacobianTranslationalVelocity(
+                context,
+                JacobianWrtVariable.kV,
+                body.body_frame(),
+                inspector.GetPoseInFrame(shape) @ p_GC,
+                plant.world_frame(),
+                plant.world_frame(),
+            )
+            return J
+
+        J = np.zeros((len(near), plant.num_velocities()))
+        for row, pair in zip(J, near, strict=True):
+            apart = velocity(pair.id_A, pair.p_ACa) - velocity(pair.id_B, pair.p_BCb)
+            row[:] = pair.nhat_BA_W @ apart
+        return np.array([pair.distance for pair in near]), J
 
     @functools.cached_property
     def _neighbors(self) -> list[tuple[GeometryId, GeometryId]]:

@@ -5,7 +5,6 @@ A line of the hands, not of the joints: two hands that squeeze a crate must not 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,7 +14,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import JointCommand
-from atlas_drake.planning.arm_speed import arm_speed
+from atlas_drake.planning.arm_motion import arm_speed, arm_step, joints_between
 from atlas_drake.planning.hand_goal import HandGoal, goal_between
 from atlas_drake.planning.palms import (
     arms_of,
@@ -33,6 +32,9 @@ STIFFNESS, DAMPING = 2000.0, 80.0
 FULL_EFFORT_AT = 0.05
 """Least error of a joint at which it exerts all of its effort [rad]: weak joints get
 smaller gains."""
+PULL = 0.02
+"""Share of what joints are off from the pose that ``aim`` found, made up for by each
+command as far as the hands leave it open."""
 LONGEST = 600.0
 """Longest duration of a motion [s]."""
 
@@ -60,7 +62,9 @@ class HandMotion:
         self._from: tuple[HandGoal, ...] = ()
         self._to: tuple[HandGoal, ...] = ()
         self._begin = self._duration = 0.0
+        # Set-points of the last command; where the joints come from, and where they go.
         self._last: np.ndarray | None = None
+        self._joints_from = self._joints_to = robot.stand_prep
 
     def aim(
         self,
@@ -86,9 +90,11 @@ class HandMotion:
                 the motion before goes on.
         """
         duration = check_number(duration, "duration", self.PERIOD, LONGEST)
-        there = reach(self._robot, state, goals, self._last)
+        last = self._joints(state)
+        there = reach(self._robot, state, goals, last)
         there.check()
         context = context_of(self._robot, state)
+        self._joints_from, self._joints_to = last, there.joints
         going = {goal.hand: goal for goal in self._now(time)}
         self._from = tuple(self._start(context, goal, going) for goal in goals)
         self._to = tuple(goals)
@@ -126,19 +132,19 @@ class HandMotion:
             others: What the joints of no hand with a goal keep; None gives these to the
                 behavior.
         """
-        goals, last = self._now(time), self._last
-        # No joint jumps to another way to the same place.
-        within = math.inf if last is None else self.FASTEST * self.PERIOD
-        joints = reach(self._robot, state, goals, last, within).joints
-        self._last = joints
-        later = self._now(time + self.PERIOD)
-        speed = arm_speed(self._robot, state, goals, later, self.PERIOD)
+        robot, goals, most = self._robot, self._now(time), self.FASTEST * self.PERIOD
+        soon, last = time + self.PERIOD, self._joints(state)
+        planned, next_planned = self._planned(time), self._planned(soon)
+        way = next_planned - planned + PULL * (planned - last)
+        self._last = joints = arm_step(robot, state, goals, last, way, most)
+        later = self._now(soon)
+        speed = arm_speed(robot, state, goals, later, self.PERIOD)
         speed = np.clip(speed, -self.FASTEST, self.FASTEST)
-        context = context_of(self._robot, state, joints)
+        context = context_of(robot, state, joints)
         self._scale = scale = self._gain_scale(time, context, goals)
         # The same share of the critical damping.
         damping = DAMPING / STIFFNESS * self._stiffest * np.sqrt(scale)
-        mine = arms_of(self._robot, goals)
+        mine = arms_of(robot, goals)
         kept = {"position": joints} if others is None else vars(others)
 
         def beside_kept(name: str, value: np.ndarray | float) -> np.ndarray:
@@ -147,7 +153,7 @@ class HandMotion:
         return AtlasCommand(
             position=beside_kept("position", joints),
             velocity=beside_kept("velocity", speed),
-            effort=beside_kept("effort", holding_effort(self._robot, context, goals)),
+            effort=beside_kept("effort", holding_effort(robot, context, goals)),
             kp_position=beside_kept("kp_position", scale * self._stiffest),
             kp_velocity=beside_kept("kp_velocity", damping),
             k_effort=beside_kept("k_effort", K_EFFORT_MAX),
@@ -157,6 +163,16 @@ class HandMotion:
         """Returns the share of the motion's time that has passed."""
         passed = (time - self._begin) / max(self._duration, self.PERIOD)
         return min(max(passed, 0.0), 1.0)
+
+    def _joints(self, state: np.ndarray) -> np.ndarray:
+        """Returns the set-points of the joints, at first where they are."""
+        if self._last is not None:
+            return self._last
+        return np.asarray(state[self._robot.indices(self._robot.plant).q])
+
+    def _planned(self, time: float) -> np.ndarray:
+        """Returns the joints on their way to the pose that ``aim`` found."""
+        return joints_between(self._joints_from, self._joints_to, self._passed(time))
 
     def _now(self, time: float) -> tuple[HandGoal, ...]:
         """Returns the goals on the way at a time."""
