@@ -66,14 +66,19 @@ def pushed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, boo
     force_W = [force * math.cos(direction), force * math.sin(direction), 0.0]
     sim.apply_push("trunk", force_W, PUSH_DURATION)
     sim.advance(1.0)
-    at_rest = (Behavior.STAND, Behavior.MANIPULATE)
-    while not sim.has_fallen and sim.time < LONGEST:
-        if sim.current_behavior in at_rest:
-            break
+    while _is_busy(sim) and not sim.has_fallen and sim.time < LONGEST:
         sim.advance(POLL)
     if not sim.has_fallen:
         sim.advance(STANDING)
-    return {"stands": not sim.has_fallen and sim.current_behavior in at_rest}
+    return {"stands": not (sim.has_fallen or _is_busy(sim))}
+
+
+def _is_busy(sim: AtlasSimulation) -> bool:
+    """Returns True while the robot walks, or has a foot in the air."""
+    if sim.current_behavior is Behavior.STEP:
+        flags = sim.atlas_sim_interface_state.step_feedback.status_flags
+        return bool(flags == IN_THE_AIR)
+    return sim.current_behavior is Behavior.WALK
 
 
 def _bend(sim: AtlasSimulation, random: np.random.Generator) -> None:
@@ -99,6 +104,6 @@ def _lift_a_foot(sim: AtlasSimulation, random: np.random.Generator) -> None:
     outward = aside if foot == 0 else -aside
     spec.foot.position = Vector3(there.x + ahead, there.y + outward, there.z)
     sim.publish(command)
-    while sim.atlas_sim_interface_state.step_feedback.status_flags != IN_THE_AIR:
+    while not _is_busy(sim):
         sim.advance(0.01)
     sim.advance(float(random.uniform(*STEP_LATER)))
