@@ -29,15 +29,24 @@ from atlas_drake.planning.palms import (
     palm_of,
     positions_at,
 )
-from atlas_drake.planning.reach import ANGLE, NEARNESS, range_of
 from atlas_drake.robot import Robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
 
+NEARNESS, ANGLE = 1e4, 3.0
+"""Weights of the distance [1/m²] and of an angle [-]: a millimetre counts as much as an
+axis that is off by 6°."""
 STEP = 1.0
 """The weight of a joint's way [1/rad²]: least squares damped by 1 cm/rad. An arm that
 is nearly straight is not thrown about by each jolt of the trunk. Y. Nakamura and H.
 Hanafusa, "Inverse kinematic solutions with singularity robustness for robot manipulator
 control", J. Dyn. Sys. 1986."""
+_FREE = 0.02
+"""Distance of an arm's joints to their stops where it is open how the hand is turned
+[rad]: an elbow that is straight at its stop is at a saddle, where no step bends it. A
+hand that is turned needs all that its wrist has, and its turn bends the elbow."""
+_LONGEST, _SHORTEST, _MOST_STEPS = 0.1, 1e-4, 60
+"""Longest step on the way to a goal, the shortest one that leads on [rad], and how many
+there are at most."""
 _WATCHED = 0.08
 """Distance of two links from which a step keeps them apart [m]: they come nearer by
 less in one step of a fast motion."""
@@ -55,53 +64,104 @@ def joints_between(start: np.ndarray, end: np.ndarray, share: float) -> np.ndarr
     return start + progress * (end - start)
 
 
-def arm_step(
-    robot: Robot,
-    state: np.ndarray,
-    goals: Sequence[HandGoal],
-    joints: np.ndarray,
-    way: np.ndarray,
-    most: float,
-) -> np.ndarray:
-    """Moves the joints of arms by one step of least squares toward their hands' goals.
+def range_of(
+    robot: Robot, goals: Sequence[HandGoal], positions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the least and greatest positions of the arms' joints, message order.
 
-    They stay within their limits, and links keep ``CLEAR`` of each other.
+    A joint that is nearer to its stop may stay there.
 
     Args:
-        robot: The robot; the joints of arms whose hands have a goal move.
-        state: Positions of the robot, in the order of its plant, velocities may follow.
+        robot: The robot.
         goals: At most one for each hand.
-        joints: Where the joints are before the step [rad], shape (n,), message order.
-        way: Where they go from there as far as hands leave it open [rad], shape (n,).
-        most: Largest way of a joint [rad].
-
-    Returns:
-        Joint positions [rad], shape (n,), message order; as in ``state`` for joints
-        that are of no such arm.
+        positions: Where the joints of their arms are [rad].
     """
-    arms, indices = arms_of(robot, goals), robot.indices(robot.plant)
-    q, moving = positions_at(robot, state), indices.q[arms]
-    stops = robot.position_lower[arms], robot.position_upper[arms]
-    q[moving] = at = np.clip(joints[arms], *stops)
-    shapes, columns = shapes_of(robot), indices.v[arms]
-    plant, context = shapes.plant, shapes.context_for(arms)
-    plant.SetPositions(context, q)
+    limbs = arms_of(robot, goals)
+    open_turn = [g for g in goals if g.direction is None and g.orientation is None]
+    margin = _FREE * arms_of(robot, open_turn)[limbs]
+    lowest = np.minimum(robot.position_lower[limbs] + margin, positions)
+    highest = np.maximum(robot.position_upper[limbs] - margin, positions)
+    return lowest, highest
 
-    H, f = STEP * np.eye(len(at)), -STEP * way[arms]
-    for goal in goals:
-        J, weights = _jacobian(robot, plant, context, goal)[:, columns], _weights(goal)
-        H += J.T @ weights @ J
-        f -= J.T @ weights @ _way(_present(robot, plant, context, goal), goal)
-    distances, J_apart = shapes.distances(context, _WATCHED)
-    lowest, highest = range_of(robot, goals, at)
-    lower = np.concatenate([np.maximum(lowest - at, -most), CLEAR - distances])
-    free = np.full_like(distances, np.inf)
-    upper = np.concatenate([np.minimum(highest - at, most), free])
-    # Links that are too near already come apart as fast as they can.
-    kind = np.repeat([INEQUALITY, SOFT], [len(at), len(distances)]).astype(np.int32)
-    step = solve(QuadraticProgram(H, f, J_apart[:, columns], lower, upper, kind))
-    q[moving] = np.clip(at + step.x, *stops)
-    return np.asarray(q[indices.q])
+
+class ArmSteps:
+    """Steps of least squares with which arms bring hands to their goals.
+
+    The rest of the robot stays where it is. Joints stay within their limits, and links
+    keep ``CLEAR`` of each other.
+    """
+
+    def __init__(self, robot: Robot, state: np.ndarray, goals: Sequence[HandGoal]):
+        """Prepares steps of the arms whose hands have a goal.
+
+        Args:
+            robot: The robot.
+            state: Its positions, in the order of its plant, velocities may follow.
+            goals: At most one for each hand.
+
+        Raises:
+            InvalidMessageError: If the robot has no such hand, or one has two goals.
+        """
+        self._robot, self._goals, self._arms = robot, goals, arms_of(robot, goals)
+        self._q, self._shapes = positions_at(robot, state), shapes_of(robot)
+        self._context = self._shapes.context_for(self._arms)
+        self._stops = (
+            robot.position_lower[self._arms],
+            robot.position_upper[self._arms],
+        )
+
+    def step(self, joints: np.ndarray, way: np.ndarray, most: float) -> np.ndarray:
+        """Takes a step.
+
+        Args:
+            joints: Where the joints are [rad], shape (n,), message order.
+            way: Where they go from there as far as hands leave it open [rad], (n,).
+            most: Largest way of a joint [rad].
+
+        Returns:
+            Joint positions [rad], shape (n,), message order; as in the state for joints
+            that are of no such arm.
+        """
+        robot, goals, arms, q = self._robot, self._goals, self._arms, self._q.copy()
+        indices, shapes, context = (
+            robot.indices(robot.plant),
+            self._shapes,
+            self._context,
+        )
+        moving, columns, plant = indices.q[arms], indices.v[arms], shapes.plant
+        q[moving] = at = np.clip(joints[arms], *self._stops)
+        plant.SetPositions(context, q)
+        H, f = STEP * np.eye(len(at)), -STEP * way[arms]
+        for goal in goals:
+            J = _jacobian(robot, plant, context, goal)[:, columns]
+            weighted = J.T @ _weights(goal)
+            H += weighted @ J
+            f -= weighted @ _way(_present(robot, plant, context, goal), goal)
+        distances, J_apart = shapes.distances(context, _WATCHED)
+        lowest, highest = range_of(robot, goals, at)
+        lower = np.concatenate([np.maximum(lowest - at, -most), CLEAR - distances])
+        free = np.full_like(distances, np.inf)
+        upper = np.concatenate([np.minimum(highest - at, most), free])
+        # Links that are too near already come apart as fast as they can.
+        kind = np.repeat([INEQUALITY, SOFT], [len(at), len(distances)])
+        problem = QuadraticProgram(
+            H, f, J_apart[:, columns], lower, upper, kind.astype(np.int32)
+        )
+        q[moving] = np.clip(at + solve(problem).x, *self._stops)
+        return np.asarray(q[indices.q])
+
+    def all_the_way(self, joints: np.ndarray) -> np.ndarray:
+        """Takes steps until they lead no farther.
+
+        Args:
+            joints: Where the joints are [rad], shape (n,), message order.
+        """
+        still = np.zeros_like(joints)
+        for _ in range(_MOST_STEPS):
+            before, joints = joints, self.step(joints, still, _LONGEST)
+            if np.abs(joints - before).max() < _SHORTEST:
+                break
+        return joints
 
 
 def arm_speed(

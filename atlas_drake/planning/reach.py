@@ -20,9 +20,10 @@ from pydrake.autodiffutils import (
 )
 from pydrake.math import RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
-from pydrake.solvers import SnoptSolver, SolverOptions
+from pydrake.solvers import MathematicalProgram, SnoptSolver, SolverOptions
 
 from atlas_drake.errors import InvalidMessageError
+from atlas_drake.planning.arm_motion import ANGLE, NEARNESS, ArmSteps, range_of
 from atlas_drake.planning.hand_goal import HandGoal
 from atlas_drake.planning.palms import (
     arms_of,
@@ -37,9 +38,8 @@ from atlas_drake.robot.shapes import CLEAR, shapes_of
 
 TOLERANCE = 5e-3
 """Distance from a goal up to which it counts as reached [m]."""
-NEARNESS, ANGLE, POSTURE = 1e4, 3.0, 1e-2
-"""Weights of the distance [1/m²], of an angle [-] and of a joint's way [1/rad²]: a
-millimetre counts as much as an axis that is off by 6°."""
+POSTURE = 1e-2
+"""The weight of a joint's way in a search [1/rad²]."""
 _WATCHED = 0.03
 """Distance of two links from which the search keeps them apart [m]."""
 _ITERATIONS = 60
@@ -47,14 +47,13 @@ _ITERATIONS = 60
 changes from step to step, it may go on for seconds and gains nothing."""
 _HELD = 0.9
 """Largest share of a joint's effort that it takes to hold an arm where a hand goes."""
-_FREE = 0.02
-"""Distance of an arm's joints to their stops where it is open how the hand is turned
-[rad]: an elbow that is straight at its stop is at a saddle, where no step bends it. A
-hand that is turned needs all that its wrist has, and its turn bends the elbow."""
 _SMALL = 1e-6
 """Step of a joint for a difference [rad]."""
 _CLOSE = 1e-3
 """Violation of a constraint up to which a pose counts as possible."""
+_THERE = 2e-3
+"""Distance [m] and angle [rad] up to which steps have led to a goal, and no other pose
+is looked for: the arms keep the one that they have."""
 
 
 @dataclass(frozen=True)
@@ -125,12 +124,61 @@ def reach(
     """
     limbs, indices = arms_of(robot, goals), robot.indices(robot.plant)
     q, moving = positions_at(robot, state), indices.q[limbs]
-    if near is not None:
-        q[moving] = near[limbs]
-    fixed = np.setdiff1d(np.arange(len(q)), moving)
+    if near is None:
+        near = q[indices.q]
     stops = robot.position_lower[limbs], robot.position_upper[limbs]
-    q[moving] = np.clip(q[moving], *stops)
+    q[moving] = np.clip(near[limbs], *stops)
     lower, upper = range_of(robot, goals, q[moving])
+    program = _search(robot, state, goals, q, lower, upper)
+
+    def is_possible(pose: np.ndarray) -> bool:
+        constraints = program.GetAllConstraints()
+        return all(program.CheckSatisfied(one, pose, _CLOSE) for one in constraints)
+
+    def cost(pose: np.ndarray) -> float:
+        costs = program.GetAllCosts()
+        return sum(float(program.EvalBinding(one, pose)[0]) for one in costs)
+
+    def cheapest(poses: list[np.ndarray]) -> np.ndarray:
+        return min(filter(is_possible, poses), key=cost, default=min(poses, key=cost))
+
+    steps = ArmSteps(robot, state, goals)
+
+    def stepped(pose: np.ndarray) -> np.ndarray:
+        end = pose.copy()
+        end[moving] = steps.all_the_way(pose[indices.q])[limbs]
+        return end
+
+    poses = [stepped(q)]
+    found = reached(robot, poses[0], goals)
+    off = max([*found.distances, *found.angles], default=0.0)
+    if off < _THERE and is_possible(poses[0]):
+        return found
+    options = SolverOptions()
+    options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
+    # From afar: steps end at a limit that they meet on their way.
+    for start in (q[moving], robot.stand_prep[limbs], 0.5 * (lower + upper)):
+        q[moving] = np.clip(start, lower, upper)
+        result = SnoptSolver().Solve(program, q, options)
+        # A step of the line search may end beyond the limits by rounding.
+        q[moving] = np.clip(result.get_x_val()[moving], lower, upper)
+        poses.append(q.copy())
+    best = cheapest(poses)
+    return reached(robot, cheapest([best, stepped(best)]), goals)
+
+
+def _search(
+    robot: Robot,
+    state: np.ndarray,
+    goals: Sequence[HandGoal],
+    q: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+) -> MathematicalProgram:
+    """Returns the search for a pose near positions, and with joints within bounds."""
+    limbs = arms_of(robot, goals)
+    moving = robot.indices(robot.plant).q[limbs]
+    fixed = np.setdiff1d(np.arange(len(q)), moving)
     kinematics = kinematics_of(robot, state, limbs)
     program, variables = kinematics.prog(), kinematics.q()
     program.AddBoundingBoxConstraint(q[fixed], q[fixed], variables[fixed])
@@ -140,39 +188,7 @@ def reach(
     )
     add_costs(kinematics, robot, goals)
     add_holding(kinematics, robot, moving, q, goals)
-    # A search may get stuck at a limit that it meets on its way.
-    starts = [q[moving], robot.stand_prep[limbs], 0.5 * (lower + upper)]
-    options = SolverOptions()
-    options.SetOption(SnoptSolver.id(), "Major iterations limit", _ITERATIONS)
-    results = []
-    for start in starts:
-        q[moving] = np.clip(start, lower, upper)
-        results.append(SnoptSolver().Solve(program, q, options))
-    clear = [r for r in results if not r.GetInfeasibleConstraints(program, _CLOSE)]
-    best = min(clear or results, key=lambda result: result.get_optimal_cost())
-    # A step of the line search may end beyond the limits by rounding.
-    q[moving] = np.clip(best.GetSolution(variables)[moving], lower, upper)
-    return reached(robot, q, goals)
-
-
-def range_of(
-    robot: Robot, goals: Sequence[HandGoal], positions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the least and greatest positions of the arms' joints, message order.
-
-    A joint that is nearer to its stop may stay there.
-
-    Args:
-        robot: The robot.
-        goals: At most one for each hand.
-        positions: Where the joints of their arms are [rad].
-    """
-    limbs = arms_of(robot, goals)
-    open_turn = [g for g in goals if g.direction is None and g.orientation is None]
-    margin = _FREE * arms_of(robot, open_turn)[limbs]
-    lowest = np.minimum(robot.position_lower[limbs] + margin, positions)
-    highest = np.maximum(robot.position_upper[limbs] - margin, positions)
-    return lowest, highest
+    return program
 
 
 def kinematics_of(

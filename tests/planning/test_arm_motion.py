@@ -7,7 +7,7 @@ import pytest
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from atlas_drake import HandGoal
-from atlas_drake.planning.arm_motion import arm_speed, arm_step
+from atlas_drake.planning.arm_motion import ArmSteps, arm_speed
 from atlas_drake.planning.palms import context_of, frame_of, palm_of
 from atlas_drake.planning.reach import reach, reached
 from atlas_drake.robot import load_robot
@@ -85,7 +85,7 @@ def test_a_stretched_arm_stays_slow(robot):
 
 def step(robot, state, goals, way=0.0, most=0.05):
     q = state[robot.indices(robot.plant).q]
-    return arm_step(robot, state, goals, q, np.full(robot.num_joints, way), most)
+    return ArmSteps(robot, state, goals).step(q, np.full_like(q, way), most)
 
 
 def test_steps_bring_hands_to_their_goals_and_no_joint_goes_too_far(robot):

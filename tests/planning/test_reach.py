@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from atlas_drake import HandGoal, InvalidMessageError, reach
+from atlas_drake.planning.arm_motion import ArmSteps
 from atlas_drake.planning.palms import context_of
+from atlas_drake.planning.reach import reached
 from atlas_drake.robot import load_robot
 from atlas_drake.robot.shapes import CLEAR, shapes_of
 
@@ -184,3 +186,23 @@ def test_a_hand_has_one_goal(robot, state):
     goals = [HandGoal("l_hand", [0.35, 0.3, z]) for z in (1.0, 1.1)]
     with pytest.raises(InvalidMessageError, match="one goal"):
         reach(robot, state, goals)
+
+
+def test_arms_keep_the_pose_from_which_steps_lead_to_the_goal(robot, state):
+    first = reach(robot, state, [HandGoal("l_hand", [0.42, 0.3, 1.05])])
+    near = first.joints.copy()
+    near[robot.limb("l_arm")] += 0.05
+    found = reach(robot, state, [HandGoal("l_hand", [0.42, 0.3, 1.05])], near)
+    assert found.distances[0] < 1e-3
+    assert np.abs(found.joints - near).max() < 0.1
+
+
+def test_where_steps_end_at_a_stop_a_pose_is_looked_for_from_afar(robot, state):
+    """The wrist is at its stop, and the hand has to turn that way."""
+    aside = [np.cos(0.4), np.sin(0.4), 0.0]
+    goal = HandGoal("l_hand", [0.3855, 0.2248, 0.95], aside)
+    q = state.copy()
+    joints = robot.indices(robot.plant).q
+    q[joints] = ArmSteps(robot, state, [goal]).all_the_way(state[joints])
+    assert reached(robot, q, [goal]).angles[0] > 0.3
+    assert reach(robot, state, [goal]).angles[0] < 0.05

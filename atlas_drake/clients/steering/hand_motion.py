@@ -14,7 +14,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.joint_command import JointCommand
-from atlas_drake.planning.arm_motion import arm_speed, arm_step, joints_between
+from atlas_drake.planning.arm_motion import ArmSteps, arm_speed, joints_between
 from atlas_drake.planning.hand_goal import HandGoal, goal_between
 from atlas_drake.planning.palms import (
     arms_of,
@@ -136,7 +136,7 @@ class HandMotion:
         soon, last = time + self.PERIOD, self._joints(state)
         planned, next_planned = self._planned(time), self._planned(soon)
         way = next_planned - planned + PULL * (planned - last)
-        self._last = joints = arm_step(robot, state, goals, last, way, most)
+        self._last = joints = ArmSteps(robot, state, goals).step(last, way, most)
         later = self._now(soon)
         speed = arm_speed(robot, state, goals, later, self.PERIOD)
         speed = np.clip(speed, -self.FASTEST, self.FASTEST)

@@ -78,7 +78,7 @@ def test_a_palm_gives_way_as_softly_as_it_was_told():
         sim.apply_push("l_hand", force * axis, 1.0)
         *_, pushed = hold(sim, hands, 1.0)
         *_, after = hold(sim, hands, 1.0)
-        np.testing.assert_allclose(after, before, atol=1e-3)
+        np.testing.assert_allclose(after, before, atol=2e-3)
         moved.append((pushed - before) / force)
     compliance = np.array(moved)
     softest = np.linalg.eigvalsh(compliance + compliance.T).max() / 2.0
