@@ -110,14 +110,17 @@ def reach(
 ) -> Reach:
     """Finds the positions of the arms' joints with which hands reach their goals.
 
+    Arms keep their pose where ``ArmSteps`` lead from it to the goals, and only else
+    another one is searched for.
+
     Args:
         robot: The robot; the joints of the limbs ``l_arm`` and ``r_arm`` move, those of
             hands with a goal.
         state: Positions of the robot, in the order of its plant, velocities may follow:
             the output port ``state`` of a station.
         goals: At most one for each hand.
-        near: Joint positions from which the search begins, and to which it keeps [rad],
-            shape (n,), message order; None for those of ``state``.
+        near: Joint positions from which the arms set out, and to which they keep
+            [rad], shape (n,), message order; None for those of ``state``.
 
     Raises:
         InvalidMessageError: If the robot has no such hand, or one has two goals.
