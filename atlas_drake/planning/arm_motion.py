@@ -102,13 +102,13 @@ class ArmSteps:
         Raises:
             InvalidMessageError: If the robot has no such hand, or one has two goals.
         """
+        indices, shapes = robot.indices(robot.plant), shapes_of(robot)
         self._robot, self._goals, self._arms = robot, goals, arms_of(robot, goals)
-        self._q, self._shapes = positions_at(robot, state), shapes_of(robot)
-        self._context = self._shapes.context_for(self._arms)
-        self._stops = (
-            robot.position_lower[self._arms],
-            robot.position_upper[self._arms],
-        )
+        self._q, self._joints = positions_at(robot, state), indices.q
+        self._moving, self._columns = indices.q[self._arms], indices.v[self._arms]
+        self._shapes, self._context = shapes, shapes.context_for(self._arms)
+        limits = robot.position_lower, robot.position_upper
+        self._stops = [limit[self._arms] for limit in limits]
 
     def step(self, joints: np.ndarray, way: np.ndarray, most: float) -> np.ndarray:
         """Takes a step.
@@ -122,16 +122,12 @@ class ArmSteps:
             Joint positions [rad], shape (n,), message order; as in the state for joints
             that are of no such arm.
         """
-        robot, goals, arms, q = self._robot, self._goals, self._arms, self._q.copy()
-        indices, shapes, context = (
-            robot.indices(robot.plant),
-            self._shapes,
-            self._context,
-        )
-        moving, columns, plant = indices.q[arms], indices.v[arms], shapes.plant
-        q[moving] = at = np.clip(joints[arms], *self._stops)
+        robot, goals, q = self._robot, self._goals, self._q.copy()
+        shapes, context, columns = self._shapes, self._context, self._columns
+        q[self._moving] = at = np.clip(joints[self._arms], *self._stops)
+        plant = shapes.plant
         plant.SetPositions(context, q)
-        H, f = STEP * np.eye(len(at)), -STEP * way[arms]
+        H, f = STEP * np.eye(len(at)), -STEP * way[self._arms]
         for goal in goals:
             J = _jacobian(robot, plant, context, goal)[:, columns]
             weighted = J.T @ _weights(goal)
@@ -147,8 +143,8 @@ class ArmSteps:
         problem = QuadraticProgram(
             H, f, J_apart[:, columns], lower, upper, kind.astype(np.int32)
         )
-        q[moving] = np.clip(at + solve(problem).x, *self._stops)
-        return np.asarray(q[indices.q])
+        q[self._moving] = np.clip(at + solve(problem).x, *self._stops)
+        return np.asarray(q[self._joints])
 
     def all_the_way(self, joints: np.ndarray) -> np.ndarray:
         """Takes steps until they lead no farther.
