@@ -161,7 +161,8 @@ CAUGHT = {
     ("double", "forward"): 0.87,
     # A low, fast swing, and a quick step of the other foot.
     ("early", "inward"): 0.42,
-    ("late", "outward"): 0.61,
+    # A swing that is not hastened: a fast one would turn the stance sole.
+    ("mid", "outward"): 0.9,
 }
 """Speeds of pushes on the walking robot by moment and direction [m/s]."""
 

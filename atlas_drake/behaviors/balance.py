@@ -165,7 +165,8 @@ class Balance:
         """
         terms, gains = observation.terms, self.gains
         desired = self._desired_cmp(observation, reference, omega)
-        offset = self._leg_offset(observation, feet, desired, omega)
+        # Legs move as the CoM will, not as it would on a CMP out of the soles' reach.
+        offset = self._leg_offset(observation, feet, support.clamp(desired), omega)
         unplanned = offset - reference.offset
         desired = desired + gains.momentum.unplanned_share * unplanned
         offset += self._restoring_offset(observation, body) + terms.pull_offset
@@ -337,14 +338,17 @@ class Balance:
         is ``planted`` there, it is pressed onto the ground, flat as it was; as long as
         an edge of it is near that ground, it is counted on.
         """
-        # Below a sole that carries next to nothing a moment would only turn the foot.
-        rests = self._felt(observation, foot) >= self.gains.contact.unloaded_share
-        patch = self._patches.whole if rests else self._patches.middle
+        felt, model = self._felt(observation, foot), self.gains.contact
+        # Below a sole that carries little a moment would only turn the foot.
+        moments = felt >= model.unloaded_share
+        patch = self._patches.whole if moments else self._patches.middle
         part = observation.footholds[foot].part
         if part is not None:
             patch = replace(patch, corners=part)
         trusted = self._trusted(observation, foot, planted)
-        if rests or planted is None:
+        # One that carries at all rests: pressed, it would take load that balance gives
+        # to the other foot, whose CoP would not come to its edge.
+        if felt >= model.light or planted is None:
             task = self._resting(observation, foot, self._stance_weight)
         else:
             task = self._pressed(observation, foot, planted)

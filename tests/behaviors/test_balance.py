@@ -102,7 +102,7 @@ def test_a_planted_sole_without_load_is_pressed_down_and_flat(balance, observe):
     seen = observe()
     sole = seen.terms.feet[1]
     planted = FootPose(sole.p_WF - [0.0, 0.0, 0.004], sole.R_WF @ rotation_x(-0.1))
-    for share, pressed in ((0.5, False), (0.0, True)):
+    for share, pressed in ((0.5, False), (0.05, False), (0.0, True)):
         seen = replace(seen, foot_force=np.full(2, share * balance.weight))
         target = balance.standing(seen, (planted, planted))[1].task.target
         down = balance.gains.swing_position.kp * (balance.gains.contact.pressed + 0.004)
@@ -121,6 +121,20 @@ def commanded(balance, seen, *, body=None, dcm=None):
     body = body or capture_body(seen.terms)
     reference = DcmReference(dcm, dcm)
     return balance.command(seen, body, reference, OMEGA, support, feet)
+
+
+def test_what_soles_and_trunk_cannot_give_moves_no_leg(balance, observe):
+    middle = np.mean([foot.p_WF[:2] for foot in observe().terms.feet], axis=0)
+    seen = observe(above=middle)
+    for side in (1.0, -1.0):
+        far, farther = (
+            commanded(balance, seen, dcm=middle + np.array([0.0, side * error]))
+            .tasks[5]
+            .target
+            for error in (0.3, 3.0)
+        )
+        assert side * far[1] > 1.0
+        assert farther[1] == pytest.approx(far[1], abs=0.01)
 
 
 def test_a_robot_at_its_reference_is_left_at_rest(balance, observe):

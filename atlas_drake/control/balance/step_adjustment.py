@@ -66,9 +66,9 @@ class StepAdjustmentLimits(Configuration):
     turn_lead: NotNegative[Seconds] = 0.25
     """Time ahead for which the turn of the pelvis is foreseen, at its present rate: a
     step for balance turns as far."""
-    haste_cost: NotNegative[MetersPerSecond] = 0.1
+    haste_cost: NotNegative[MetersPerSecond] = 0.3
     """Distance out of reach that is accepted for each second that the swing is not
-    hastened."""
+    hastened. The faster the foot, the farther its leg throws the CMP from the CoP."""
     shift_cost: NotNegative[Ratio] = 0.2
     """Distance out of reach that is accepted for each meter by which the landing place
     is not shifted."""
