@@ -45,10 +45,10 @@ class StepAdjustmentLimits(Configuration):
     """DCM error at touchdown that double support can correct, along the sole."""
     tolerated_sideways: NotNegative[Meters] = 0.03
     """DCM error at touchdown that double support can correct, across the sole."""
-    stretch: NotNegative[Meters] = 0.20
+    stretch: NotNegative[Meters] = 0.30
     """Distance by which a step for balance may exceed the limits of commanded steps
     ahead, back and outward."""
-    reach: Positive[Meters] = 0.74
+    reach: Positive[Meters] = 0.82
     """Largest distance between the feet after a step for balance."""
     clearance: NotNegative[Meters] = 0.03
     """Least gap between the soles after a step for balance: a foot that lands a
