@@ -161,6 +161,7 @@ CAUGHT = {
     ("double", "forward"): 0.87,
     # A low, fast swing, and a quick step of the other foot.
     ("early", "inward"): 0.42,
+    ("late", "outward"): 0.61,
     # A swing that is not hastened: a fast one would turn the stance sole.
     ("mid", "outward"): 0.9,
 }

@@ -338,20 +338,19 @@ class Balance:
         is ``planted`` there, it is pressed onto the ground, flat as it was; as long as
         an edge of it is near that ground, it is counted on.
         """
-        felt, model = self._felt(observation, foot), self.gains.contact
         # Below a sole that carries little a moment would only turn the foot.
-        moments = felt >= model.unloaded_share
-        patch = self._patches.whole if moments else self._patches.middle
+        little = self._felt(observation, foot) < self.gains.contact.unloaded_share
+        patch = self._patches.middle if little else self._patches.whole
         part = observation.footholds[foot].part
         if part is not None:
             patch = replace(patch, corners=part)
         trusted = self._trusted(observation, foot, planted)
-        # One that carries at all rests: pressed, it would take load that balance gives
-        # to the other foot, whose CoP would not come to its edge.
-        if felt >= model.light or planted is None:
-            task = self._resting(observation, foot, self._stance_weight)
-        else:
+        if planted is not None and self._is_light(observation, foot):
             task = self._pressed(observation, foot, planted)
+        else:
+            # Pressed, a sole that carries would take load that balance gives to the
+            # other one, and keep the CoP from its edge.
+            task = self._resting(observation, foot, self._stance_weight)
         return FootCommand(task, self._contact(foot, patch, min(max_load, trusted)))
 
     def footholds(
@@ -401,10 +400,9 @@ class Balance:
             grounds = [float(right.p_WF[2]), float(left.p_WF[2])]
         else:
             grounds = [float(pose.p_WF[2]) for pose in planted]
-        contact = self.gains.contact
         flying = [
-            self._felt(observation, foot) < contact.light
-            and self._lowest(sole) - ground > contact.lifted
+            self._is_light(observation, foot)
+            and self._lowest(sole) - ground > self.gains.contact.lifted
             for foot, sole, ground in zip(
                 (LEFT, RIGHT), (left, right), grounds, strict=True
             )
@@ -422,6 +420,10 @@ class Balance:
         felt = float(observation.foot_force[foot]) / self.weight
         # At the first tick the robot is taken to stand.
         return self.gains.contact.full_load if math.isnan(felt) else felt
+
+    def _is_light(self, observation: Observation, foot: int) -> bool:
+        """Returns True if a foot carries next to nothing."""
+        return self._felt(observation, foot) < self.gains.contact.light
 
     def _trusted(
         self, observation: Observation, foot: int, planted: FootPose | None = None

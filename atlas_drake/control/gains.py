@@ -142,7 +142,8 @@ class ContactModel(Configuration):
     moved: NotNegative[Meters] = 0.05
     """Distance of a sole from where it landed from which it stands elsewhere."""
     light: NotNegative[Ratio] = 0.02
-    """Load below which a foot may be in the air, in weights of the robot."""
+    """Load below which a sole carries next to nothing, in weights of the robot: a
+    planted one is pressed down, and one that is lifted is in the air."""
     lifted: NotNegative[Meters] = 0.02
     """Height of a sole's lowest corner above its ground from which such a foot is in
     the air."""
