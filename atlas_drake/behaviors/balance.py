@@ -111,10 +111,14 @@ class Balance:
         self._trunk_inertia = trunk_inertia(standing, self._legs)
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
+        inertia = np.diag(standing.M)[-robot.num_joints :]
+        heaviest = max(inertia[~(legs | back)].tolist(), default=1.0)
+        # A jolt that turns the hand on a weak wrist must not throw the whole body.
+        arm_weight = gains.arm_posture_weight * np.minimum(inertia / heaviest, 1.0)
         self._joint_weight = np.where(
             legs,
             gains.leg_posture_weight,
-            np.where(back, gains.back_posture_weight, gains.arm_posture_weight),
+            np.where(back, gains.back_posture_weight, arm_weight),
         )
         self._joint_weight_in_air = tuple(
             np.where(

@@ -153,7 +153,7 @@ class ContactModel(Configuration):
 
 @dataclass(frozen=True)
 class JointLimitGains(Configuration):
-    """Bounds on joint accelerations that keep joint positions within their limits."""
+    """Bounds on the accelerations of legs and back that keep them off their stops."""
 
     kp: NotNegative[PerSecondSquared] = 270.0
     """Stiffness."""
@@ -221,4 +221,4 @@ class ControlGains(Configuration):
     back_posture_weight: NotNegative[Ratio] = 0.1
     """Of the back."""
     arm_posture_weight: NotNegative[Ratio] = 2.0
-    """Of an arm."""
+    """Of an arm's joint with the greatest inertia; of others as much less as theirs."""

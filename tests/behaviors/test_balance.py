@@ -234,13 +234,14 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
 def on_one_leg(balance, model, observe, robot):
     """Solves for a robot on its left leg; the right foot is asked up or down.
 
-    Its knee is bent by an angle [rad] from the stand-prep pose, and the body turns with
-    ``w_WP`` [rad/s]. Returns the acceleration of the foot, and the force on the sole.
+    Its knee is bent by an angle [rad] from the stand-prep pose, the body turns with
+    ``w_WP`` [rad/s], and the motors of the wrists are as strong as ``wrists`` [N·m].
+    Returns the acceleration of the foot, and the force on the sole.
     """
     left, right = 0, 1
     indices, leg = robot.indices(model.plant), robot.legs[right]
 
-    def solve(bend, asked, w_WP=(0.0, 0.0, 0.0)):
+    def solve(bend, asked, w_WP=(0.0, 0.0, 0.0), wrists=math.inf):
         q = robot.stand_prep.copy()
         q[leg.knee] += bend
         for name in ("r_leg_hpy", "r_leg_aky"):
@@ -271,7 +272,10 @@ def on_one_leg(balance, model, observe, robot):
             balance.support(seen.foot_pose(left)),
             feet,
         )
-        limit = robot.effort_limit
+        limit = robot.effort_limit.copy()
+        for index, name in enumerate(robot.joint_names):
+            if "arm_wr" in name:
+                limit[index] = min(limit[index], wrists)
         bounds = EffortBounds(-limit, limit, np.zeros(robot.num_joints, dtype=bool))
         solution = WholeBodyQp(robot, balance.gains).solve(terms, command, bounds)
         assert solution.found
@@ -307,3 +311,10 @@ def test_a_spin_of_the_body_does_not_turn_the_foot_in_the_air(on_one_leg):
     """A punch on an arm spins the robot; stopping that at once takes the swing leg."""
     (still, _), (spun, _) = (on_one_leg(0.3, -40.0, [0.0, 0.0, w]) for w in (0.0, 3.0))
     assert abs(spun[2] - still[2]) < 5.0
+
+
+def test_a_jolt_that_weak_wrists_cannot_bear_does_not_move_the_foot(on_one_leg):
+    """The hand turns, as its motor cannot hold it; no other joint makes up for it."""
+    jolt = 0.3, -40.0, [15.0, 15.0, 0.0]
+    (strong, _), (weak, _) = on_one_leg(*jolt), on_one_leg(*jolt, wrists=0.01)
+    assert np.abs(weak - strong).max() < 30.0  # Of 200 rad/s² that the trunk asks for.

@@ -169,12 +169,19 @@ class FrictionCones(NamedTuple):
 
 
 class JointLimits:
-    """Soft bounds on joint accelerations that bring a joint to rest at its limits."""
+    """Soft bounds on joint accelerations that bring legs and back to rest at limits.
+
+    Arms have none: a wrist of half a newton meter cannot keep what a jolt asks of it,
+    and the whole body would move in its stead.
+    """
 
     def __init__(self, robot: Robot, gains: JointLimitGains):
         self._gains = gains
-        self._low = gains.kp * (robot.position_lower + gains.margin)
-        self._high = gains.kp * (robot.position_upper - gains.margin)
+        arms = robot.limb("l_arm", "r_arm")
+        low = gains.kp * (robot.position_lower + gains.margin)
+        high = gains.kp * (robot.position_upper - gains.margin)
+        self._low = np.where(arms, -INFINITE, low)
+        self._high = np.where(arms, INFINITE, high)
 
     def write(
         self,
