@@ -112,9 +112,9 @@ class Balance:
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
         inertia = np.diag(standing.M)[-robot.num_joints :]
-        heaviest = max(inertia[~(legs | back)].tolist(), default=1.0)
+        greatest = max(inertia[~(legs | back)].tolist(), default=1.0)
         # A jolt that turns the hand on a weak wrist must not throw the whole body.
-        arm_weight = gains.arm_posture_weight * np.minimum(inertia / heaviest, 1.0)
+        arm_weight = gains.arm_posture_weight * (inertia / greatest)
         self._joint_weight = np.where(
             legs,
             gains.leg_posture_weight,
