@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.solvers import ClpSolver, MathematicalProgram
 
 from atlas_drake.control.gains import ContactModel, ControlGains, PdGains
 from atlas_drake.control.whole_body import (
@@ -35,7 +36,7 @@ HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
 ZERO = np.zeros(3)
 SIZES = {FrameTask: 6, OrientationTask: 3, PositionTask: 3}
-PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6, 0.05)
+PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6)
 
 
 @pytest.fixture(scope="module")
@@ -207,7 +208,6 @@ def test_a_hand_on_a_rail_carries_load(robot, qp, bounds, terms):
     palm = ContactPatch(
         corners=0.02 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]),
         friction=0.6,
-        yaw_moment_arm=0.02,
         # The rail pushes straight up, however the hand is turned.
         R_FC=hand.R_WF.T,
         p_FC=np.array([0.0, 0.05, 0.0]),
@@ -260,23 +260,38 @@ def test_a_leaning_hand_takes_no_part_in_the_gravity_compensation(robot, qp, ter
 )
 def test_a_patch_is_a_convex_polygon(corners):
     with pytest.raises(ValueError, match="corners"):
-        ContactPatch(np.array(corners), 0.5, 0.05)
+        ContactPatch(np.array(corners), 0.5)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(
-    ("row", "limit"), [(3, 0.6 / 2**0.5), (4, 0.6 / 2**0.5), (2, 0.6 * 0.05)]
-)
-def test_a_patch_limits_friction_and_yaw_moment_both_ways(row, limit, sign):
-    for share, holds in ((0.99, True), (1.01, False)):
-        wrench = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 10.0])
-        wrench[row] = 10.0 * sign * share * limit
-        assert (PATCH.cone[:-1] @ wrench <= 0.0).all() == holds
+def test_a_patch_takes_what_forces_at_its_corners_sum_up_to_and_no_more():
+    at_rest = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 10.0])
+    random, size = np.random.default_rng(0), np.array([0.5, 1.0, 1.0, 5.0, 5.0, 0.0])
+    taken = 0
+    for _ in range(200):
+        wrench = at_rest + size * random.uniform(-1.0, 1.0, 6)
+        taken += (within := (PATCH.cone[:-1] @ wrench <= 0.0).all())
+        assert within == corner_forces_exist(PATCH, wrench)
+    assert 30 < taken < 170
+
+
+def corner_forces_exist(patch, wrench):
+    """Asks whether forces within friction at the corners sum up to a wrench."""
+    program, friction = MathematicalProgram(), patch.friction / 2**0.5
+    force = program.NewContinuousVariables(3, len(patch.corners))
+    moment = np.zeros(3)
+    for corner, (x, y, normal) in zip(patch.corners, force.T, strict=True):
+        program.AddLinearConstraint(normal >= 0.0)
+        for side in (x, -x, y, -y):
+            program.AddLinearConstraint(side <= friction * normal)
+        moment = moment + np.cross([*corner, 0.0], [x, y, normal])
+    total = np.concatenate([moment, force.sum(axis=1)])
+    program.AddLinearConstraint(total, wrench, wrench)
+    return ClpSolver().Solve(program).is_success()
 
 
 def test_a_patch_keeps_the_pressure_in_its_polygon():
     triangle = np.array([[0.1, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
-    patch = ContactPatch(triangle, 0.5, 0.05)
+    patch = ContactPatch(triangle, 0.5)
 
     def holds(x, y):
         # A force of 10 N along the normal at (x, y).

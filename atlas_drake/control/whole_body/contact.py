@@ -3,7 +3,7 @@
 A ``ContactPatch`` is the constant part: the surface on which forces can act, and its
 friction. A ``Contact`` holds what a behavior allows in one tick. The cone of wrenches
 is that of Caron, Pham, Nakamura, "Stability of surface contacts for humanoid robots",
-ICRA 2015, with a lever for the moment about the normal.
+ICRA 2015.
 """
 
 from __future__ import annotations
@@ -35,8 +35,6 @@ class ContactPatch:
             counterclockwise seen from +z [m], shape (m, 2), m ≥ 3.
         friction: Coefficient of friction; the QP uses the inscribed pyramid of the
             cone.
-        yaw_moment_arm: Greatest moment about the normal, as a lever of the friction
-            force [m].
         R_FC: Orientation of the contact frame in F.
         p_FC: Origin of the contact frame in F [m].
 
@@ -46,7 +44,6 @@ class ContactPatch:
 
     corners: np.ndarray
     friction: float
-    yaw_moment_arm: float
     R_FC: np.ndarray = field(default_factory=lambda: np.eye(3))
     p_FC: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
@@ -66,7 +63,6 @@ class ContactPatch:
         x: tuple[float, float],
         y: tuple[float, float],
         friction: float,
-        yaw_moment_arm: float,
     ) -> ContactPatch:
         """Makes a rectangle along the axes of the frame F itself.
 
@@ -74,11 +70,10 @@ class ContactPatch:
             x: Rear and front edge [m].
             y: Right and left edge [m].
             friction: See ``ContactPatch``.
-            yaw_moment_arm: See ``ContactPatch`` [m].
         """
         (rear, front), (right, left) = x, y
         corners = [[front, left], [rear, left], [rear, right], [front, right]]
-        return cls(np.array(corners), friction, yaw_moment_arm)
+        return cls(np.array(corners), friction)
 
     @classmethod
     def of_entry(cls, entry: ContactEntry, contact: ContactModel) -> ContactPatch:
@@ -92,7 +87,6 @@ class ContactPatch:
         return cls(
             corners=np.array([[x, y], [-x, y], [-x, -y], [x, -y]]),
             friction=contact.friction,
-            yaw_moment_arm=contact.yaw_moment_arm,
             R_FC=RotationMatrix(RollPitchYaw(entry.rpy_FC)).matrix(),
             p_FC=np.array(entry.p_FC),
         )
@@ -101,24 +95,33 @@ class ContactPatch:
     def cone(self) -> np.ndarray:
         """Rows C ∈ R^{r × 6} with C [moment; force] ≤ 0, axes of F.
 
-        The last row is the normal force, which has separate bounds.
+        They allow what forces at the corners can sum up to: exactly so for a rectangle
+        along the axes of C, and for another polygon with the moment about the normal
+        that the rectangle around it has. The last row is the normal force, which has
+        separate bounds.
         """
-        pyramid = self.friction / np.sqrt(2.0)
-        yaw = self.friction * self.yaw_moment_arm
-        # Columns: moment x, y, z, force x, y, normal force.
-        rows = []
-        for sign in (1.0, -1.0):
-            rows.append([0.0, 0.0, 0.0, sign, 0.0, -pyramid])
-        for sign in (1.0, -1.0):
-            rows.append([0.0, 0.0, 0.0, 0.0, sign, -pyramid])
+        m_x, m_y, m_z, f_x, f_y, f_z = np.eye(WRENCH)
+        pyramid = self.friction / np.sqrt(2.0) * f_z
+        rows = [sign * force - pyramid for force in (f_x, f_y) for sign in (1.0, -1.0)]
         # Center of pressure (-m_y, m_x) / normal force, inside of every edge.
         edges = np.roll(self.corners, -1, axis=0) - self.corners
         for corner, edge in zip(self.corners, edges, strict=True):
             x, y = outward = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
-            rows.append([y, -x, 0.0, 0.0, 0.0, -float(outward @ corner)])
+            rows.append(y * m_x - x * m_y - float(outward @ corner) * f_z)
+
+        def greatest(axis: int, moment: np.ndarray, force: np.ndarray) -> np.ndarray:
+            """Bounds Σ p f, with |f| within friction and Σ p f_z the moment, (2, 6)."""
+            # At each corner (most - p) (μ f_z + f) ≥ 0, (p - least) (μ f_z - f) ≥ 0.
+            least, most = self.corners[:, axis].min(), self.corners[:, axis].max()
+            leaning = pyramid[-1] * moment
+            above = most * (pyramid + force) - leaning
+            return np.array([above, leaning - least * (pyramid - force)])
+
+        # The moment about the normal is Σ x f_y - Σ y f_x.
         for sign in (1.0, -1.0):
-            rows.append([0.0, 0.0, sign, 0.0, 0.0, -yaw])
-        rows.append([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+            along, across = greatest(0, -m_y, sign * f_y), greatest(1, m_x, -sign * f_x)
+            rows += [sign * m_z - one - other for one in along for other in across]
+        rows.append(f_z)
         to_patch = np.zeros((WRENCH, WRENCH))
         to_patch[:3, :3] = to_patch[3:, 3:] = self.R_FC.T
         to_patch[:3, 3:] = -self.R_FC.T @ VectorToSkewSymmetric(self.p_FC)
