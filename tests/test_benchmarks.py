@@ -160,7 +160,7 @@ CAUGHT = {
     # A long step.
     ("double", "forward"): 0.87,
     # A low, fast swing, and a quick step of the other foot.
-    ("early", "inward"): 0.42,
+    ("early", "inward"): 0.66,
     ("late", "outward"): 0.61,
     # A swing that is not hastened: a fast one would turn the stance sole.
     ("mid", "outward"): 0.9,

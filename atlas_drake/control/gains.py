@@ -167,7 +167,7 @@ class MomentumGains(Configuration):
 
     dead_zone: NotNegative[Meters] = 0.03
     """Distance of the desired CoP outside the support polygon that needs none."""
-    largest_shift: NotNegative[Meters] = 0.06
+    largest_shift: NotNegative[Meters] = 0.03
     """Largest distance of the centroidal moment pivot from the CoP for balance."""
     unplanned_share: Share = 0.5
     """Share of the legs' offset of the pivot that the plan does not know by which the

@@ -61,7 +61,7 @@ class StepAdjustmentLimits(Configuration):
     shortest_swing: Positive[Seconds] = 0.20
     """Duration of the fastest swing that balance may demand. A swing that has begun
     slower takes the same share of it for the rest of its path."""
-    foot_speed: Positive[MetersPerSecond] = 2.6
+    foot_speed: Positive[MetersPerSecond] = 3.5
     """Largest mean horizontal speed of a foot in a hastened swing."""
     turn_lead: NotNegative[Seconds] = 0.25
     """Time ahead for which the turn of the pelvis is foreseen, at its present rate: a
