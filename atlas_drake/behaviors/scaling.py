@@ -28,7 +28,13 @@ _T = TypeVar("_T")
 
 ALONG_SOLE = ("length_margin", "toes", "cop_forward", "tolerated_forward")
 """Parameters that scale with the length of the soles."""
-ACROSS_SOLE = ("width_margin", "cop_sideways", "tolerated_sideways", "cop_inward")
+ACROSS_SOLE = (
+    "width_margin",
+    "yaw_moment_arm",
+    "cop_sideways",
+    "tolerated_sideways",
+    "cop_inward",
+)
 """Parameters that scale with the width of the soles."""
 CLEARANCE = 0.02
 """Least distance between the soles in a step, in heights of the center of mass [-]."""

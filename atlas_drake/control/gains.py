@@ -112,6 +112,9 @@ class ContactModel(Configuration):
     middle: Positive[Meters] = 0.01
     """Half the side of the square that counts as the middle of a sole: a point, but
     with room for the solver's tolerance."""
+    yaw_moment_arm: NotNegative[Meters] = 0.05
+    """Greatest moment about the normal through the sole's middle, as a lever arm of the
+    friction force: less than friction at the corners gives, that no turn is a jerk."""
     unloaded_share: Positive[Ratio] = 0.15
     """Normal force that the QP may count on below a planted sole on which no force is
     measured, in weights of the robot. Efforts that count on a ground that is not there

@@ -36,7 +36,7 @@ HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
 ZERO = np.zeros(3)
 SIZES = {FrameTask: 6, OrientationTask: 3, PositionTask: 3}
-PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6)
+PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6, 0.05)
 
 
 @pytest.fixture(scope="module")
@@ -208,6 +208,7 @@ def test_a_hand_on_a_rail_carries_load(robot, qp, bounds, terms):
     palm = ContactPatch(
         corners=0.02 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]),
         friction=0.6,
+        yaw_moment_arm=0.02,
         # The rail pushes straight up, however the hand is turned.
         R_FC=hand.R_WF.T,
         p_FC=np.array([0.0, 0.05, 0.0]),
@@ -260,18 +261,19 @@ def test_a_leaning_hand_takes_no_part_in_the_gravity_compensation(robot, qp, ter
 )
 def test_a_patch_is_a_convex_polygon(corners):
     with pytest.raises(ValueError, match="corners"):
-        ContactPatch(np.array(corners), 0.5)
+        ContactPatch(np.array(corners), 0.5, 0.05)
 
 
 def test_a_patch_takes_what_forces_at_its_corners_sum_up_to_and_no_more():
     at_rest = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 10.0])
     random, size = np.random.default_rng(0), np.array([0.5, 1.0, 1.0, 5.0, 5.0, 0.0])
-    taken = 0
+    taken, turning = 0, PATCH.friction * PATCH.yaw_moment_arm
     for _ in range(200):
         wrench = at_rest + size * random.uniform(-1.0, 1.0, 6)
         taken += (within := (PATCH.cone[:-1] @ wrench <= 0.0).all())
-        assert within == corner_forces_exist(PATCH, wrench)
-    assert 30 < taken < 170
+        gentle = abs(wrench[2]) <= turning * wrench[5]
+        assert within == (gentle and corner_forces_exist(PATCH, wrench))
+    assert 15 < taken < 185
 
 
 def corner_forces_exist(patch, wrench):
@@ -291,7 +293,7 @@ def corner_forces_exist(patch, wrench):
 
 def test_a_patch_keeps_the_pressure_in_its_polygon():
     triangle = np.array([[0.1, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
-    patch = ContactPatch(triangle, 0.5)
+    patch = ContactPatch(triangle, 0.5, 0.05)
 
     def holds(x, y):
         # A force of 10 N along the normal at (x, y).

@@ -42,7 +42,9 @@ def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
     """Makes the patches of a sole, within the margins that are closed to the CoP."""
 
     def patch(x: tuple[float, float], half_width: float) -> ContactPatch:
-        return ContactPatch.rectangle(x, (-half_width, half_width), contact.friction)
+        return ContactPatch.rectangle(
+            x, (-half_width, half_width), contact.friction, contact.yaw_moment_arm
+        )
 
     tip = sole.length / 2
     half_length = tip - contact.length_margin

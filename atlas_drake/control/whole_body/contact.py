@@ -35,6 +35,8 @@ class ContactPatch:
             counterclockwise seen from +z [m], shape (m, 2), m ≥ 3.
         friction: Coefficient of friction; the QP uses the inscribed pyramid of the
             cone.
+        yaw_moment_arm: Greatest moment about the normal through the origin of F, as a
+            lever of the friction force [m]; friction at the corners bounds it, too.
         R_FC: Orientation of the contact frame in F.
         p_FC: Origin of the contact frame in F [m].
 
@@ -44,6 +46,7 @@ class ContactPatch:
 
     corners: np.ndarray
     friction: float
+    yaw_moment_arm: float
     R_FC: np.ndarray = field(default_factory=lambda: np.eye(3))
     p_FC: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
@@ -63,6 +66,7 @@ class ContactPatch:
         x: tuple[float, float],
         y: tuple[float, float],
         friction: float,
+        yaw_moment_arm: float,
     ) -> ContactPatch:
         """Makes a rectangle along the axes of the frame F itself.
 
@@ -70,10 +74,11 @@ class ContactPatch:
             x: Rear and front edge [m].
             y: Right and left edge [m].
             friction: See ``ContactPatch``.
+            yaw_moment_arm: See ``ContactPatch`` [m].
         """
         (rear, front), (right, left) = x, y
         corners = [[front, left], [rear, left], [rear, right], [front, right]]
-        return cls(np.array(corners), friction)
+        return cls(np.array(corners), friction, yaw_moment_arm)
 
     @classmethod
     def of_entry(cls, entry: ContactEntry, contact: ContactModel) -> ContactPatch:
@@ -87,6 +92,7 @@ class ContactPatch:
         return cls(
             corners=np.array([[x, y], [-x, y], [-x, -y], [x, -y]]),
             friction=contact.friction,
+            yaw_moment_arm=contact.yaw_moment_arm,
             R_FC=RotationMatrix(RollPitchYaw(entry.rpy_FC)).matrix(),
             p_FC=np.array(entry.p_FC),
         )
@@ -95,10 +101,10 @@ class ContactPatch:
     def cone(self) -> np.ndarray:
         """Rows C ∈ R^{r × 6} with C [moment; force] ≤ 0, axes of F.
 
-        They allow what forces at the corners can sum up to: exactly so for a rectangle
-        along the axes of C, and for another polygon with the moment about the normal
-        that the rectangle around it has. The last row is the normal force, which has
-        separate bounds.
+        They allow what forces at the corners can sum up to, with no larger moment about
+        the normal than ``yaw_moment_arm`` gives: exactly so for a rectangle along the
+        axes of C, and for another polygon with the moment that the rectangle around it
+        has. The last row is the normal force, which has separate bounds.
         """
         m_x, m_y, m_z, f_x, f_y, f_z = np.eye(WRENCH)
         pyramid = self.friction / np.sqrt(2.0) * f_z
@@ -118,7 +124,9 @@ class ContactPatch:
             return np.array([above, leaning - least * (pyramid - force)])
 
         # The moment about the normal is Σ x f_y - Σ y f_x.
+        turning = self.friction * self.yaw_moment_arm * f_z
         for sign in (1.0, -1.0):
+            rows.append(sign * m_z - turning)
             along, across = greatest(0, -m_y, sign * f_y), greatest(1, m_x, -sign * f_x)
             rows += [sign * m_z - one - other for one in along for other in across]
         rows.append(f_z)

@@ -139,7 +139,7 @@ def test_a_weight_shift_is_abandoned_when_the_robot_tips_and_the_next_one_waits(
 def test_no_weight_shift_begins_while_the_robot_tips():
     nothing = AtlasSimInterfaceCommand(behavior="STEP")
     run = play(nothing, seconds=0.2, controller=NO_RECOVERY)
-    run.sim.apply_push("trunk", [-2.4 * run.sim.robot.mass, 0.0, 0.0], 0.15)
+    run.sim.apply_push("trunk", [-2.3 * run.sim.robot.mass, 0.0, 0.0], 0.15)
     run.advance(0.15)
     run.sim.publish(step())
     run.advance(0.05)
