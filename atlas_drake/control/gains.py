@@ -114,7 +114,7 @@ class ContactModel(Configuration):
     with room for the solver's tolerance."""
     yaw_moment_arm: NotNegative[Meters] = 0.05
     """Greatest moment about the normal through the sole's middle, as a lever arm of the
-    friction force: less than friction at the corners gives, that no turn is a jerk."""
+    friction force. Friction at the corners gives more, with which turns are jerks."""
     unloaded_share: Positive[Ratio] = 0.15
     """Normal force that the QP may count on below a planted sole on which no force is
     measured, in weights of the robot. Efforts that count on a ground that is not there

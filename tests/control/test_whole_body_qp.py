@@ -159,6 +159,7 @@ def test_wrenches_are_ones_that_the_ground_can_give(
     # Center of pressure: p = (-m_y, m_x) / normal.
     reach_x = sole.length / 2 - contact.length_margin
     reach_y = sole.width / 2 - contact.width_margin
+    yaw = contact.friction * contact.yaw_moment_arm
     limits_met = 0
     for seed in range(10):
         terms = moving(model, random_state, standing, seed)
@@ -177,6 +178,7 @@ def test_wrenches_are_ones_that_the_ground_can_give(
             assert np.hypot(force[0], force[1]) <= contact.friction * normal + slack
             assert abs(moment[1]) <= reach_x * normal + slack
             assert abs(moment[0]) <= reach_y * normal + slack
+            assert abs(moment[2]) <= yaw * normal + slack
             # About the center of pressure: friction at the farthest corner at most.
             x, y = np.array([-moment[1], moment[0]]) / max(normal, slack)
             torsion = moment[2] - (x * force[1] - y * force[0])

@@ -264,6 +264,17 @@ def test_a_patch_is_a_convex_polygon(corners):
         ContactPatch(np.array(corners), 0.5, 0.05)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("row", "limit"), [(3, 0.6 / 2**0.5), (4, 0.6 / 2**0.5), (2, 0.6 * 0.05)]
+)
+def test_a_patch_limits_friction_and_yaw_moment_both_ways(row, limit, sign):
+    for share, holds in ((0.99, True), (1.01, False)):
+        wrench = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 10.0])
+        wrench[row] = 10.0 * sign * share * limit
+        assert (PATCH.cone[:-1] @ wrench <= 0.0).all() == holds
+
+
 def test_a_patch_takes_what_forces_at_its_corners_sum_up_to_and_no_more():
     at_rest = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 10.0])
     random, size = np.random.default_rng(0), np.array([0.5, 1.0, 1.0, 5.0, 5.0, 0.0])

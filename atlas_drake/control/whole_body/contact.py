@@ -35,8 +35,8 @@ class ContactPatch:
             counterclockwise seen from +z [m], shape (m, 2), m ≥ 3.
         friction: Coefficient of friction; the QP uses the inscribed pyramid of the
             cone.
-        yaw_moment_arm: Greatest moment about the normal through the origin of F, as a
-            lever of the friction force [m]; friction at the corners bounds it, too.
+        yaw_moment_arm: Greatest moment about the z axis of C, as a lever of the
+            friction force [m]; friction at the corners bounds it, too.
         R_FC: Orientation of the contact frame in F.
         p_FC: Origin of the contact frame in F [m].
 
