@@ -290,15 +290,15 @@ def test_a_patch_takes_what_forces_at_its_corners_sum_up_to_and_no_more():
 def corner_forces_exist(patch, wrench):
     """Asks whether forces within friction at the corners sum up to a wrench."""
     program, friction = MathematicalProgram(), patch.friction / 2**0.5
-    force = program.NewContinuousVariables(3, len(patch.corners))
-    moment = np.zeros(3)
-    for corner, (x, y, normal) in zip(patch.corners, force.T, strict=True):
+    force = program.NewContinuousVariables(len(patch.corners), 3)
+    for x, y, normal in force:
         program.AddLinearConstraint(normal >= 0.0)
         for side in (x, -x, y, -y):
             program.AddLinearConstraint(side <= friction * normal)
-        moment = moment + np.cross([*corner, 0.0], [x, y, normal])
-    total = np.concatenate([moment, force.sum(axis=1)])
-    program.AddLinearConstraint(total, wrench, wrench)
+    moments = [np.cross([*corner, 0.0], np.eye(3)).T for corner in patch.corners]
+    forces = np.tile(np.eye(3), len(moments))
+    total = np.concatenate([np.hstack(moments), forces])
+    program.AddLinearEqualityConstraint(total, wrench, force.ravel())
     return ClpSolver().Solve(program).is_success()
 
 
