@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import itertools
 import json
+import re
 import shutil
 import sys
 from importlib.metadata import version
@@ -24,6 +25,7 @@ from atlas_drake.clients.campaigns.trial_runner import TrialRunner
 from atlas_drake.config import LeastGreatest
 from atlas_drake.control.feet.footstep import limit_duration, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.messages.event import FOOTSTEP, PUSH
 from atlas_drake.messages.footstep import RIGHT, FootPose
 from atlas_drake.rotations import rotation_z
 from tests.policy_networks import METADATA, save
@@ -100,6 +102,22 @@ def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
             (folder / "heron.yaml").rename(folder / "robot.yaml")
         monkeypatch.chdir(tmp_path)
     TrialRunner(load_campaign(FOLDER / "campaigns" / f"{name}.yaml"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("part", "link"), [("feet", "(foot|talus)"), ("trunk", "(torso|head)")]
+)
+def test_a_steered_robot_is_punched_once_on_the_part_asked_for(part, link):
+    with AtlasSimulation(Scenario()) as sim:
+        done = module_of("steering").punched(sim, {"change": 0.3, "part": part})
+        (push,) = [event for event in sim.events if event.kind == PUSH]
+        impulse = np.linalg.norm(push.data["force_W"]) * push.data["duration"]
+        assert impulse == pytest.approx(0.3 * sim.robot.mass)
+        assert re.search(link, push.data["body"])
+        steps = [event.time for event in sim.events if event.kind == FOOTSTEP]
+        assert steps[0] < push.time < steps[-1] - 3.0
+    assert done["stays_up"]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Steering by hand: a tour of waypoints with driven arms, and random velocities.
+"""Steering by hand: a tour of waypoints with driven arms, punches, random velocities.
 
 The tour is after the benchmark ``rhoyn/teleop-walking-benchmark`` for learned walking
 policies: every five seconds another waypoint and a punch, arms that a user moves all
@@ -21,8 +21,10 @@ from atlas_drake import (
     walk_at,
     walk_to,
 )
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.planning.walk_at import fastest
 from atlas_drake.planning.waypoints import waypoint_error
+from atlas_drake.robot import Robot
 
 POLL = 0.1
 """Time between two commands [s]."""
@@ -43,6 +45,10 @@ PUNCH_FIRST, PUNCH_GROWS = 1.0 / 3.0, 60.0
 of it [s]."""
 PUNCH_LEAST = 0.5
 """Least share of the force that is the greatest at its time [-]."""
+ANKLE = 2
+"""Joints of an ankle, the last ones of a leg."""
+STEERED, BORNE = (1.0, 2.0), 4.0
+"""Time of the walk before a single punch, and time after it [s]."""
 HOLDS = (0.3, 5.0)
 """Time for which a random velocity is held [s]."""
 
@@ -150,6 +156,40 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Walks at a random velocity, with driven arms, and is punched once.
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``change``, of the robot's velocity by the punch [m/s]; ``part``, of
+            which it hits a link: ``arms``, ``trunk``, ``legs`` down to the knees, or
+            ``feet``, which the ankles move.
+    """
+    random = np.random.default_rng(sim.scenario.seed)
+    gait = sim.scenario.controller_config().gait()
+    arms = Arms(sim, random)
+    low, high = _slowest_and_fastest(gait)
+    drawn = random.uniform(low, high)
+    velocity = nearest_velocity(*drawn.tolist(), gait=gait)
+    link = str(random.choice(_links(sim.robot, str(parameters["part"]))))
+    force = sim.robot.mass * float(parameters["change"]) / PUNCH_TIME
+    force_W = force * _directions(random, 1)[0]
+    punch = STANDING + float(random.uniform(*STEERED))
+    hit = False
+    while sim.time < punch + BORNE and not sim.has_fallen:
+        sim.publish(arms.command(sim.time))
+        if sim.time >= STANDING:
+            report = sim.atlas_sim_interface_state
+            command = walk_at(report, *velocity, gait=gait)
+            if command is not None:
+                sim.publish(command)
+        if not hit and sim.time >= punch:
+            sim.apply_push(link, force_W, PUNCH_TIME)
+            hit = True
+        sim.advance(POLL)
+    return {"stays_up": not sim.has_fallen}
+
+
 def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Walks at random velocities of all that ``walk_at`` accepts.
 
@@ -159,8 +199,7 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
     """
     random = np.random.default_rng(sim.scenario.seed)
     gait = sim.scenario.controller_config().gait()
-    most = fastest(gait)
-    low, high = (-most.back, -most.aside, -most.turn), (most.ahead, *most[2:])
+    low, high = _slowest_and_fastest(gait)
     sim.advance(STANDING)
     velocity, until = nearest_velocity(gait=gait), 0.0
     while sim.time < 60.0 * float(parameters["minutes"]) and not sim.has_fallen:
@@ -190,15 +229,42 @@ def _punches(
     if greatest == 0.0:
         return []
     links, since = sim.robot.moved_links, TIME_EACH * np.arange(number)
-    upward, angle = random.uniform(-1.0, 1.0, number), _turns(random, number)
-    aside = np.sqrt(1.0 - upward**2)
-    direction = np.stack([aside * np.cos(angle), aside * np.sin(angle), upward], axis=1)
+    direction = _directions(random, number)
     grown = np.minimum(since / PUNCH_GROWS, 1.0)
     ceiling = PUNCH_FIRST + (1.0 - PUNCH_FIRST) * grown
     share = ceiling * random.uniform(PUNCH_LEAST, 1.0, number)
     forces_W = greatest * sim.robot.mass * share[:, None] * direction
     hit = [links[i][0] for i in random.integers(len(links), size=number)]
     return list(map(Punch, (since + PUNCH_AFTER).tolist(), hit, forces_W))[::-1]
+
+
+def _links(robot: Robot, part: str) -> list[str]:
+    """Returns the links of a part of the robot that joints move."""
+    legs = robot.limb("l_leg", "r_leg")
+    arms = robot.limb("l_arm", "r_arm")
+    ankles = np.zeros_like(legs)
+    for leg in robot.legs:
+        ankles[leg.joints[-ANKLE:]] = True
+    parts = {
+        "arms": arms,
+        "trunk": ~(legs | arms),
+        "legs": legs & ~ankles,
+        "feet": ankles,
+    }
+    return [robot.moved_links[joint][0] for joint in np.flatnonzero(parts[part])]
+
+
+def _slowest_and_fastest(gait: Gait) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the least and the greatest velocities that ``walk_at`` accepts."""
+    ahead, back, aside, turn = fastest(gait)
+    return np.array([-back, -aside, -turn]), np.array([ahead, aside, turn])
+
+
+def _directions(random: np.random.Generator, number: int) -> np.ndarray:
+    """Draws directions in space, shape (number, 3)."""
+    upward, angle = random.uniform(-1.0, 1.0, number), _turns(random, number)
+    aside = np.sqrt(1.0 - upward**2)
+    return np.stack([aside * np.cos(angle), aside * np.sin(angle), upward], axis=1)
 
 
 def _turns(random: np.random.Generator, number: int) -> np.ndarray:
