@@ -22,9 +22,10 @@ from atlas_drake import (
     walk_to,
 )
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.walk_at import fastest
+from atlas_drake.planning.walk_at import Velocity, fastest
 from atlas_drake.planning.waypoints import waypoint_error
 from atlas_drake.robot import Robot
+from atlas_drake.robot.leg import ANKLE
 
 POLL = 0.1
 """Time between two commands [s]."""
@@ -45,8 +46,6 @@ PUNCH_FIRST, PUNCH_GROWS = 1.0 / 3.0, 60.0
 of it [s]."""
 PUNCH_LEAST = 0.5
 """Least share of the force that is the greatest at its time [-]."""
-ANKLE = 2
-"""Joints of an ankle, the last ones of a leg."""
 STEERED, BORNE = (1.0, 2.0), 4.0
 """Time of the walk before a single punch, and time after it [s]."""
 HOLDS = (0.3, 5.0)
@@ -175,18 +174,17 @@ def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     force = sim.robot.mass * float(parameters["change"]) / PUNCH_TIME
     force_W = force * _directions(random, 1)[0]
     punch = STANDING + float(random.uniform(*STEERED))
-    hit = False
-    while sim.time < punch + BORNE and not sim.has_fallen:
-        sim.publish(arms.command(sim.time))
-        if sim.time >= STANDING:
-            report = sim.atlas_sim_interface_state
-            command = walk_at(report, *velocity, gait=gait)
-            if command is not None:
-                sim.publish(command)
-        if not hit and sim.time >= punch:
-            sim.apply_push(link, force_W, PUNCH_TIME)
-            hit = True
-        sim.advance(POLL)
+
+    def walk(until: float) -> None:
+        while sim.time < until and not sim.has_fallen:
+            sim.publish(arms.command(sim.time))
+            if sim.time >= STANDING:
+                _steer(sim, velocity, gait)
+            sim.advance(POLL)
+
+    walk(punch)
+    sim.apply_push(link, force_W, PUNCH_TIME)
+    walk(punch + BORNE)
     return {"stays_up": not sim.has_fallen}
 
 
@@ -212,11 +210,16 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
             )
             velocity = nearest_velocity(*wanted.tolist(), gait=gait)
             until = sim.time + float(random.uniform(*HOLDS))
-        command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
-        if command is not None:
-            sim.publish(command)
+        _steer(sim, velocity, gait)
         sim.advance(POLL)
     return {"stays_up": not sim.has_fallen}
+
+
+def _steer(sim: AtlasSimulation, velocity: Velocity, gait: Gait) -> None:
+    """Lets the robot walk on at a velocity."""
+    command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
+    if command is not None:
+        sim.publish(command)
 
 
 def _punches(
@@ -244,7 +247,7 @@ def _links(robot: Robot, part: str) -> list[str]:
     arms = robot.limb("l_arm", "r_arm")
     ankles = np.zeros_like(legs)
     for leg in robot.legs:
-        ankles[leg.joints[-ANKLE:]] = True
+        ankles[leg.joints[ANKLE]] = True
     parts = {
         "arms": arms,
         "trunk": ~(legs | arms),
