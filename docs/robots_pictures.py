@@ -73,9 +73,7 @@ def _walk(model: Path, log: Path) -> Log:
         report = sim.atlas_sim_interface_state
         stream = StepStream(steps_ahead(report, stride * (STEPS - 1), gait))
         while sim.time < LASTS:
-            command = stream.next_command(sim.atlas_sim_interface_state)
-            if command is not None:
-                sim.publish(command)
+            sim.publish(stream.next_command(sim.atlas_sim_interface_state))
             sim.advance(0.05)
     return read_log(path)
 

@@ -82,9 +82,7 @@ def walk(sim: AtlasSimulation, steps: list[AtlasBehaviorStepData]) -> None:
     """Takes the steps in one go, each in 0.63 s."""
     stream = StepStream(steps)
     while not (stream.is_over(sim.atlas_sim_interface_state) or sim.has_fallen):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(0.1)
 
 

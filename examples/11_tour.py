@@ -62,9 +62,7 @@ def visit(place, heading, stop):
         if sim.time >= due:
             due += POLL
             report = sim.atlas_sim_interface_state
-            steps = walk_to(report, sim.pelvis_pose, place, heading, gait)
-            if steps is not None:
-                sim.publish(steps)
+            sim.publish(walk_to(report, sim.pelvis_pose, place, heading, gait))
             if options.headless:
                 hold_arms()
         sim.advance(PIECE)

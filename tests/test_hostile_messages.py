@@ -29,6 +29,7 @@ def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
         for thing in things:
             with pytest.raises(TypeError, match="publish"):
                 sim.publish(thing)
+        sim.publish(None)  # Nothing to send, and nothing is.
         sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
         sim.advance(0.01)
         assert sim.current_behavior is Behavior.FREEZE

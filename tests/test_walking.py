@@ -123,9 +123,7 @@ def test_the_forces_give_the_cmp_that_balance_commands(model, way):
     apart, dcm_error, at_edge = [], [], []
     sim.advance(0.5)
     while sim.time < 5.0:
-        command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait))
         for _ in range(10):
             sim.advance(sim.scenario.control_period)
             balance, loads = sim.record.balance, sim.record.feet.loads

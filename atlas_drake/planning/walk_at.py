@@ -52,9 +52,9 @@ def walk_at(
 ) -> AtlasSimInterfaceCommand | None:
     """Returns the command with which the robot walks at a velocity, or goes on to.
 
-    Call it about ten times a second and publish the result, if any. From a behavior
-    other than WALK the robot stands first. ``stop_walking`` ends the walk. The heights
-    of steps are relative to the stance foot.
+    Call it about ten times a second and publish the result. From a behavior other than
+    WALK the robot stands first. ``stop_walking`` ends the walk. The heights of steps
+    are relative to the stance foot.
 
     Args:
         report: Latest report of the behaviors.
@@ -102,7 +102,7 @@ def stop_walking(
         gait: Gait of the robot; None for Atlas' own.
 
     Returns:
-        The command to publish now, if any.
+        The command to publish now; None if there is nothing to command.
     """
     if report.current_behavior != Behavior.WALK:
         return None

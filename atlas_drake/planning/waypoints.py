@@ -35,7 +35,7 @@ def walk_to(
 ) -> AtlasSimInterfaceCommand | None:
     """Returns the command with which the robot walks to a waypoint, and stands there.
 
-    Call it about ten times a second and publish the result, if any.
+    Call it about ten times a second and publish the result.
 
     Example:
         >>> report = sim.atlas_sim_interface_state

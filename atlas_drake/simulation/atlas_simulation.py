@@ -229,7 +229,7 @@ class AtlasSimulation:
 
     # ---- commands ------------------------------------------------------------
 
-    def publish(self, message: AtlasCommand | AtlasSimInterfaceCommand) -> None:
+    def publish(self, message: AtlasCommand | AtlasSimInterfaceCommand | None) -> None:
         """Sends a copy of a command, which takes effect at the next control update.
 
         Messages of one instant are taken in the order in which they are sent, and a
@@ -239,7 +239,8 @@ class AtlasSimulation:
         one, is not raised but reported: by ``error_code``, and as an event.
 
         Args:
-            message: The command.
+            message: The command; None, as from ``walk_at`` to a robot that already does
+                what is asked for, sends nothing.
 
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
@@ -248,6 +249,8 @@ class AtlasSimulation:
             RuntimeError: If another thread advances the simulation.
         """
         self._check_thread()
+        if message is None:
+            return
         if not isinstance(message, (AtlasCommand, AtlasSimInterfaceCommand)):
             raise TypeError(
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "

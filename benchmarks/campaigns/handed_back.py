@@ -44,9 +44,7 @@ def handed_back(
     moment, speed = float(parameters["moment"]), float(parameters["speed"])
     gait = sim.scenario.controller_config().gait()
     while sim.time < moment - 1e-9:
-        command = walk_at(sim.atlas_sim_interface_state, forward=speed, gait=gait)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(walk_at(sim.atlas_sim_interface_state, forward=speed, gait=gait))
         sim.advance_to(min(sim.time + STEERED, moment))
     here, motion = sim.snapshot(), []
     while sim.time < moment + HELD - 1e-9:

@@ -184,6 +184,4 @@ def _feedback(sim: AtlasSimulation) -> AtlasBehaviorWalkFeedback:
 
 
 def _send(sim: AtlasSimulation, stream: StepStream) -> None:
-    command = stream.next_command(sim.atlas_sim_interface_state)
-    if command is not None:
-        sim.publish(command)
+    sim.publish(stream.next_command(sim.atlas_sim_interface_state))

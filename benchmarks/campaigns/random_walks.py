@@ -135,9 +135,7 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     stream = StepStream([message_of(step) for step in steps])
     begun = 0
     while not sim.has_fallen:
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(POLL)
         report = sim.atlas_sim_interface_state
         begun = min(max(begun, report.walk_feedback.current_step_index), num_steps)

@@ -81,8 +81,7 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
         if over and push_time == math.inf and sim.time >= end and _stands(sim):
             break
         command = stream and stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(command)
         sim.advance_to(min(sim.time + POLL, max(push_time, sim.time + 1e-6)))
     if not sim.has_fallen:
         sim.advance(STANDING)
@@ -112,9 +111,7 @@ def speed(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
     begin = float(sim.pelvis_pose.translation()[0])
     passed: list[tuple[float, float]] = []
     while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(POLL)
         way = float(sim.pelvis_pose.translation()[0]) - begin
         if FAST_FROM * h < way < FAST_TO * h:

@@ -45,9 +45,7 @@ def climb(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
     steps = steps_over(stairs, float(parameters["step_duration"]))
     stream = StepStream(steps)
     while not sim.has_fallen and not stream.is_over(sim.atlas_sim_interface_state):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(POLL)
     if not sim.has_fallen:
         sim.advance(STANDING)

@@ -138,9 +138,7 @@ def tour(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
                 off.append(math.hypot(x, y))
                 turned.append(abs(turn))
             report, pelvis = sim.atlas_sim_interface_state, sim.pelvis_pose
-            command = walk_to(report, pelvis, place.tolist(), yaw, gait, speed)
-            if command is not None:
-                sim.publish(command)
+            sim.publish(walk_to(report, pelvis, place.tolist(), yaw, gait, speed))
             if punches and since >= punches[-1].since:
                 punch = punches.pop()
                 sim.apply_push(punch.link, punch.force_W, PUNCH_TIME)
@@ -217,9 +215,7 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
 
 def _steer(sim: AtlasSimulation, velocity: Velocity, gait: Gait) -> None:
     """Lets the robot walk on at a velocity."""
-    command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
-    if command is not None:
-        sim.publish(command)
+    sim.publish(walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait))
 
 
 def _punches(

@@ -116,9 +116,7 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
         push_time = moment.uniform(push.earliest, latest)
     stream = StepStream(steps)
     while not sim.has_fallen and sim.time < LONGEST:
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         target = sim.time + POLL
         if push is not None and sim.time < push_time <= target:
             sim.advance_to(push_time)

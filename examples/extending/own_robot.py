@@ -40,9 +40,7 @@ def main():
     report = sim.atlas_sim_interface_state
     walk = StepStream(steps_ahead(report, options.distance, gait))
     while not walk.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:
-        command = walk.next_command(sim.atlas_sim_interface_state)
-        if command is not None:  # the next four steps
-            sim.publish(command)
+        sim.publish(walk.next_command(sim.atlas_sim_interface_state))
         sim.advance(0.1)
 
     way = sim.pelvis_pose.translation() - start

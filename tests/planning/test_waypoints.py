@@ -45,9 +45,7 @@ def test_a_robot_is_led_to_a_place_and_stands_there():
     gait = sim.scenario.controller_config().gait()
     while sim.time < 8.0:
         report = sim.atlas_sim_interface_state
-        command = walk_to(report, sim.pelvis_pose, place, heading, gait)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(walk_to(report, sim.pelvis_pose, place, heading, gait))
         sim.advance(0.1)
     assert sim.current_behavior is Behavior.STAND
     ahead, left, turn = waypoint_error(sim.pelvis_pose, place, heading)

@@ -22,9 +22,7 @@ def walk(distance, **settings):
         plan = steps_ahead(sim.atlas_sim_interface_state, distance, gait)
         steps = StepStream(plan)
         while sim.time < 3.9:
-            command = steps.next_command(sim.atlas_sim_interface_state)
-            if command is not None:
-                sim.publish(command)
+            sim.publish(steps.next_command(sim.atlas_sim_interface_state))
             sim.advance(0.009)
             records.append(sim.record)
         assert not sim.has_fallen

@@ -81,9 +81,7 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     while not (sim.has_fallen or steps.is_over(sim.atlas_sim_interface_state)):
         if sim.time >= sim.scenario.duration - 1e-9:
             break
-        command = steps.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(steps.next_command(sim.atlas_sim_interface_state))
         sim.advance_to(min(sim.time + PIECE, sim.scenario.duration))
     _until(sim, sim.scenario.duration)
     return {"walk_ended": sim.current_behavior is Behavior.STAND}

@@ -44,9 +44,7 @@ def walk(sim: AtlasSimulation) -> bool:
     while not (sim.has_fallen or stream.is_over(sim.atlas_sim_interface_state)):
         if sim.time > end:
             return False
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(PIECE)
     landed = sim.footsteps[before:]
     astray = ASTRAY * sim.robot.file.sole.length

@@ -115,9 +115,7 @@ class WalkVelocity:
             turn * most.turn,
             gait,
         )
-        command = walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
-        if command is not None:
-            sim.publish(command)
+        sim.publish(walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait))
 
 
 class Footsteps(WalkVelocity):

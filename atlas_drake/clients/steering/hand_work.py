@@ -118,9 +118,7 @@ class HandWork:
         sim = self._sim
         walk = StepStream(steps_to(sim.atlas_sim_interface_state, x, y, yaw))
         while not walk.is_over(sim.atlas_sim_interface_state):
-            command = walk.next_command(sim.atlas_sim_interface_state)
-            if command is not None:
-                sim.publish(command)
+            sim.publish(walk.next_command(sim.atlas_sim_interface_state))
             if not self._go_on():
                 return
 
