@@ -8,8 +8,9 @@ all accelerations are equal. So each parameter scales as its unit says:
     m: h    s: √h    kg: m    N = kg·m/s²: m    rad, -: 1
 
 and a weight of the QP, per squared unit of a task, keeps what the task costs. What the
-soles bound scales with the soles. A robot of Atlas' proportions needs no value of its
-own. Values of a robot's file replace scaled ones.
+soles bound scales with the soles, and the haste of a step with the hips. A robot of
+Atlas' proportions needs no value of its own. Values of a robot's file replace scaled
+ones.
 """
 
 from __future__ import annotations
@@ -69,8 +70,10 @@ def scaled(defaults: _T, size: Size) -> _T:
         defaults: The configuration; each field's unit is in its annotation.
         size: Of the robot.
     """
-    h = size.height / ATLAS.height
+    h, haste = size.height / ATLAS.height, size.hip_time / ATLAS.hip_time
     own = {
+        "shortest_swing": haste,
+        "foot_speed": h / haste,
         **dict.fromkeys(ALONG_SOLE, size.sole_length / ATLAS.sole_length),
         **dict.fromkeys(ACROSS_SOLE, size.sole_width / ATLAS.sole_width),
     }

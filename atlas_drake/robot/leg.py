@@ -95,6 +95,11 @@ class Leg:
         return self.knee_sign * math.remainder(bent, math.tau)
 
     @property
+    def hip_roll(self) -> int:
+        """Index of the hip joint that turns the leg aside, in message order."""
+        return int(self.joints[HIP][np.argmax(np.abs(self.axes[HIP, 0]))])
+
+    @property
     def knee(self) -> int:
         """Index of the knee in message order."""
         return int(self.joints[KNEE])

@@ -6,6 +6,7 @@ the robot; control laws and state are elsewhere.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -82,6 +83,7 @@ class Size:
         sole_length: Of each sole [m].
         sole_width: Of each sole [m].
         stance_width: Distance between the soles' middles in the stand-prep pose [m].
+        hip_time: How long the hips take to swing a leg, see ``Robot.hip_time`` [s].
     """
 
     mass: float
@@ -89,9 +91,10 @@ class Size:
     sole_length: float
     sole_width: float
     stance_width: float
+    hip_time: float
 
 
-ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24)
+ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24, 0.1243)
 """Atlas, whose values are the defaults. Its stance is narrower than its pose."""
 
 
@@ -151,8 +154,27 @@ class Robot:
         """What the defaults of the controller scale by."""
         sole = self.file.sole
         return Size(
-            self.mass, self.com_height, sole.length, sole.width, self.stance_width
+            mass=self.mass,
+            height=self.com_height,
+            sole_length=sole.length,
+            sole_width=sole.width,
+            stance_width=self.stance_width,
+            hip_time=self.hip_time,
         )
+
+    @property
+    def hip_time(self) -> float:
+        """Time that scales with how fast the hips swing a leg [s].
+
+        √(I/τ), I the inertia of the leg in the stand-prep pose and τ the effort limit:
+        from rest, a radian takes √2 of it. The geometric mean of pitch and roll.
+        """
+        M = self.plant.CalcMassMatrix(self.standing_context())
+        inertia = np.diag(M)[self.indices(self.plant).v]
+        leg = self.legs[0]
+        hip = [leg.hip_pitch, leg.hip_roll]
+        pitch, roll = (inertia[hip] / self.effort_limit[hip]).tolist()
+        return math.sqrt(math.sqrt(pitch * roll))
 
     @property
     def num_joints(self) -> int:

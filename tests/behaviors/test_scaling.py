@@ -8,7 +8,9 @@ from atlas_drake.behaviors.scaling import dimension, scaled
 from atlas_drake.robot import ATLAS, load_robot
 from atlas_drake.shipped import CONTROLLER
 
-QUARTER = replace(ATLAS, mass=ATLAS.mass / 8, height=ATLAS.height / 4)
+QUARTER = replace(
+    ATLAS, mass=ATLAS.mass / 8, height=ATLAS.height / 4, hip_time=ATLAS.hip_time / 2
+)
 """A robot of a quarter of Atlas' height: its times are half as long."""
 
 
@@ -36,6 +38,7 @@ def test_atlas_keeps_its_values():
     robot = load_robot()
     assert ATLAS.mass == pytest.approx(robot.mass, abs=1e-3)
     assert ATLAS.height == pytest.approx(robot.com_height, abs=1e-4)
+    assert ATLAS.hip_time == pytest.approx(robot.hip_time, abs=1e-4)
     assert ATLAS.sole_length == robot.file.sole.length
     assert not robot.file.scaled
     assert scaled(CONTROLLER, ATLAS) == CONTROLLER
@@ -47,6 +50,8 @@ def test_each_value_scales_as_its_unit_says():
         (lambda c: c.walk.limits.forward, 1 / 4),
         (lambda c: c.walk.limits.duration.least, 1 / 2),
         (lambda c: c.walk.limits.toe_out, 1),
+        (lambda c: c.walk.adjustment.shortest_swing, 1 / 2),
+        (lambda c: c.walk.adjustment.foot_speed, 1 / 2),
         (lambda c: c.walk.swing.landing_speed, 1 / 2),
         (lambda c: c.walk.swing.late_acceleration, 1),
         (lambda c: c.gains.com_height.kp, 4),
@@ -64,6 +69,19 @@ def test_each_value_scales_as_its_unit_says():
         (lambda c: c.gains.contact.width_margin, 1),
     ):
         assert one(small) == pytest.approx(by * one(atlas))
+
+
+def test_stronger_hips_allow_faster_steps_for_balance():
+    atlas = CONTROLLER.walk.adjustment
+    strong = scaled(CONTROLLER, replace(ATLAS, hip_time=ATLAS.hip_time / 2))
+    hasty = replace(
+        atlas,
+        shortest_swing=atlas.shortest_swing / 2,
+        foot_speed=atlas.foot_speed * 2,
+    )
+    assert strong.walk.adjustment == hasty
+    walk = replace(strong.walk, adjustment=atlas)
+    assert replace(strong, walk=walk) == CONTROLLER
 
 
 def test_the_feet_stand_as_in_the_stand_prep_pose():
