@@ -106,15 +106,18 @@ def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("part", "link"), [("feet", "(foot|talus)"), ("trunk", "(torso|head)")]
+    ("part", "aside", "link"),
+    [("feet", False, "(foot|talus)"), ("trunk", True, "(torso|head)")],
 )
-def test_a_steered_robot_is_punched_once_on_the_part_asked_for(part, link):
+def test_a_steered_robot_is_punched_once_on_the_part_asked_for(part, aside, link):
+    parameters = {"change": 0.3, "part": part, "aside": aside}
     with AtlasSimulation(Scenario()) as sim:
-        done = module_of("steering").punched(sim, {"change": 0.3, "part": part})
+        done = module_of("steering").punched(sim, parameters)
         (push,) = [event for event in sim.events if event.kind == PUSH]
         impulse = np.linalg.norm(push.data["force_W"]) * push.data["duration"]
         assert impulse == pytest.approx(0.3 * sim.robot.mass)
         assert re.search(link, push.data["body"])
+        assert (push.data["force_W"][2] == 0.0) == aside
         steps = [event.time for event in sim.events if event.kind == FOOTSTEP]
         assert steps[0] < push.time < steps[-1] - 3.0
     assert done["stays_up"]

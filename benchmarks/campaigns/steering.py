@@ -160,7 +160,8 @@ def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
         sim: A robot that stands.
         parameters: ``change``, of the robot's velocity by the punch [m/s]; ``part``, of
             which it hits a link: ``arms``, ``trunk``, ``legs`` down to the knees, or
-            ``feet``, which the ankles move.
+            ``feet``, which the ankles move; ``aside``, whether it pushes the robot
+            straight to a side, or else in any direction.
     """
     random = np.random.default_rng(sim.scenario.seed)
     gait = sim.scenario.controller_config().gait()
@@ -170,7 +171,7 @@ def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
     velocity = nearest_velocity(*drawn.tolist(), gait=gait)
     link = str(random.choice(_links(sim.robot, str(parameters["part"]))))
     force = sim.robot.mass * float(parameters["change"]) / PUNCH_TIME
-    force_W = force * _directions(random, 1)[0]
+    direction = _directions(random, 1)[0]
     punch = STANDING + float(random.uniform(*STEERED))
 
     def walk(until: float) -> None:
@@ -181,7 +182,9 @@ def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
             sim.advance(POLL)
 
     walk(punch)
-    sim.apply_push(link, force_W, PUNCH_TIME)
+    if parameters["aside"]:
+        direction = _aside(sim, direction)
+    sim.apply_push(link, force * direction, PUNCH_TIME)
     walk(punch + BORNE)
     return {"stays_up": not sim.has_fallen}
 
@@ -264,6 +267,12 @@ def _directions(random: np.random.Generator, number: int) -> np.ndarray:
     upward, angle = random.uniform(-1.0, 1.0, number), _turns(random, number)
     aside = np.sqrt(1.0 - upward**2)
     return np.stack([aside * np.cos(angle), aside * np.sin(angle), upward], axis=1)
+
+
+def _aside(sim: AtlasSimulation, direction: np.ndarray) -> np.ndarray:
+    """Returns the robot's left or right, horizontal, the nearer to a direction."""
+    left = sim.pelvis_pose.rotation().matrix()[:, 1] * [1.0, 1.0, 0.0]
+    return math.copysign(1.0, direction @ left) * left / np.linalg.norm(left)
 
 
 def _turns(random: np.random.Generator, number: int) -> np.ndarray:
