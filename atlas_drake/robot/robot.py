@@ -162,7 +162,7 @@ class Robot:
             hip_time=self.hip_time,
         )
 
-    @property
+    @cached_property
     def hip_time(self) -> float:
         """Time that scales with how fast the hips swing a leg [s].
 

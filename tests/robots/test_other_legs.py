@@ -96,6 +96,21 @@ def check_solved(robot):
             )
 
 
+@pytest.mark.parametrize(
+    ("axes", "roll"),
+    [
+        ({}, "hip_roll"),
+        (PITCH_ROLL_YAW, "hip_roll"),
+        (ROLL_YAW_PITCH, "hip_yaw"),
+        (TILTED, "hip_roll"),
+    ],
+)
+def test_the_roll_of_the_hip_is_known_by_its_axis(heron_with, axes, roll):
+    robot = load_robot(heron_with(axes))
+    names = [robot.joint_names[leg.hip_roll] for leg in robot.legs]
+    assert names == [f"left_{roll}", f"right_{roll}"]
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_leg_of_another_layout_is_solved(heron_with, layout):
     check_solved(load_robot(heron_with(LAYOUTS[layout])))
