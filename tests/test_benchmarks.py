@@ -112,12 +112,16 @@ def test_a_campaign_can_be_run(name, tmp_path, monkeypatch):
 def test_a_steered_robot_is_punched_once_on_the_part_asked_for(part, aside, link):
     parameters = {"change": 0.3, "part": part, "aside": aside}
     with AtlasSimulation(Scenario()) as sim:
+        headings = []
+        sim.hooks.append(lambda sim: headings.append((sim.time, sim.pelvis_pose)))
         done = module_of("steering").punched(sim, parameters)
         (push,) = [event for event in sim.events if event.kind == PUSH]
         impulse = np.linalg.norm(push.data["force_W"]) * push.data["duration"]
         assert impulse == pytest.approx(0.3 * sim.robot.mass)
         assert re.search(link, push.data["body"])
-        assert (push.data["force_W"][2] == 0.0) == aside
+        _, X_WP = min(headings, key=lambda at: abs(at[0] - push.time))
+        ahead = np.array(push.data["force_W"]) @ X_WP.rotation().matrix()[:, [0, 2]]
+        assert (np.abs(ahead).max() * push.data["duration"] < 0.1 * impulse) == aside
         steps = [event.time for event in sim.events if event.kind == FOOTSTEP]
         assert steps[0] < push.time < steps[-1] - 3.0
     assert done["stays_up"]

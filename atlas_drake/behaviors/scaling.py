@@ -8,8 +8,8 @@ all accelerations are equal. So each parameter scales as its unit says:
     m: h    s: √h    kg: m    N = kg·m/s²: m    rad, -: 1
 
 and a weight of the QP, per squared unit of a task, keeps what the task costs. What the
-soles bound scales with the soles, and the haste of a step with the hips. A robot of
-Atlas' proportions needs no value of its own. Values of a robot's file replace scaled
+soles bound scales with the soles, and what bounds a hasty swing with the hips. A robot
+of Atlas' proportions needs no value of its own. Values of a robot's file replace scaled
 ones.
 """
 
@@ -70,10 +70,11 @@ def scaled(defaults: _T, size: Size) -> _T:
         defaults: The configuration; each field's unit is in its annotation.
         size: Of the robot.
     """
-    h, haste = size.height / ATLAS.height, size.hip_time / ATLAS.hip_time
+    h, hips = size.height / ATLAS.height, size.hip_time / ATLAS.hip_time
     own = {
-        "shortest_swing": haste,
-        "foot_speed": h / haste,
+        # The hips bound how fast a leg swings.
+        "shortest_swing": hips,
+        "foot_speed": h / hips,
         **dict.fromkeys(ALONG_SOLE, size.sole_length / ATLAS.sole_length),
         **dict.fromkeys(ACROSS_SOLE, size.sole_width / ATLAS.sole_width),
     }

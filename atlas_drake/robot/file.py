@@ -129,7 +129,7 @@ class RobotFile(Configuration):
     it the ankle reaches its end stop and the leg lifts the body."""
     scaled: bool = True
     """Whether the controller's defaults, which are Atlas' values, scale with the mass,
-    the height and the soles of the robot."""
+    the height, the soles and the hips of the robot."""
     controller: dict[str, Any] = field(default_factory=dict)
     """The robot's values of the scenario's field ``controller``, at the same paths,
     such as ``{walk: {limits: {forward: 0.30}}}``; a scenario overrides them."""

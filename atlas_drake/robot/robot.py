@@ -94,7 +94,14 @@ class Size:
     hip_time: float
 
 
-ATLAS = Size(90.92, 0.9354, 0.26, 0.1249, 0.24, 0.1243)
+ATLAS = Size(
+    mass=90.92,
+    height=0.9354,
+    sole_length=0.26,
+    sole_width=0.1249,
+    stance_width=0.24,
+    hip_time=0.1243,
+)
 """Atlas, whose values are the defaults. Its stance is narrower than its pose."""
 
 
@@ -164,10 +171,11 @@ class Robot:
 
     @cached_property
     def hip_time(self) -> float:
-        """Time that scales with how fast the hips swing a leg [s].
+        """Measure of how long the hips take to swing a leg [s].
 
-        √(I/τ), I the inertia of the leg in the stand-prep pose and τ the effort limit:
-        from rest, a radian takes √2 of it. The geometric mean of pitch and roll.
+        It is √(I/τ), with the inertia I of the leg in the stand-prep pose and the
+        effort limit τ: from rest a radian takes √2 times as long. It is the geometric
+        mean of those of hip pitch and roll.
         """
         M = self.plant.CalcMassMatrix(self.standing_context())
         inertia = np.diag(M)[self.indices(self.plant).v]

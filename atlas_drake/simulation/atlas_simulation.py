@@ -245,7 +245,7 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
-            TypeError: If ``message`` is not a command.
+            TypeError: If ``message`` is neither a command nor None.
             RuntimeError: If another thread advances the simulation.
         """
         self._check_thread()

@@ -80,8 +80,8 @@ def trial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]
         over = stream is None or stream.is_over(sim.atlas_sim_interface_state)
         if over and push_time == math.inf and sim.time >= end and _stands(sim):
             break
-        command = stream and stream.next_command(sim.atlas_sim_interface_state)
-        sim.publish(command)
+        if stream is not None:
+            sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance_to(min(sim.time + POLL, max(push_time, sim.time + 1e-6)))
     if not sim.has_fallen:
         sim.advance(STANDING)

@@ -1,5 +1,6 @@
 """Legs of other layouts than Atlas': read, solved numerically, and walked on."""
 
+import math
 import re
 
 import numpy as np
@@ -109,6 +110,24 @@ def test_the_roll_of_the_hip_is_known_by_its_axis(heron_with, axes, roll):
     robot = load_robot(heron_with(axes))
     names = [robot.joint_names[leg.hip_roll] for leg in robot.legs]
     assert names == [f"left_{roll}", f"right_{roll}"]
+
+
+def test_stronger_hips_take_less_time(copied):
+    def strengthened(*joints):
+        path = copied()
+        urdf = path.parent / "heron.urdf"
+        text = urdf.read_text()
+        for name in joints:
+            joint = rf'(<joint name="(?:left|right)_{name}" type.*?effort=")([^"]*)'
+            text = re.sub(
+                joint, lambda m: f"{m[1]}{4.0 * float(m[2])}", text, flags=re.DOTALL
+            )
+        urdf.write_text(text)
+        return load_robot(path).hip_time
+
+    usual = load_robot(HERON).hip_time
+    assert strengthened("hip_roll") == pytest.approx(usual / math.sqrt(2.0))
+    assert strengthened("hip_roll", "hip_pitch") == pytest.approx(usual / 2.0)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

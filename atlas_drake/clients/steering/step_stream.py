@@ -53,7 +53,7 @@ class StepStream:
     def next_command(
         self, report: AtlasSimInterfaceState
     ) -> AtlasSimInterfaceCommand | None:
-        """Returns the command to publish now, if any.
+        """Returns the command to publish now; None if there is nothing to command.
 
         Args:
             report: Latest report of the behaviors.
