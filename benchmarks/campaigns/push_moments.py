@@ -88,7 +88,7 @@ def pushed_walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str
     force_W = [force * math.cos(angle), force * math.sin(angle), 0.0]
     sim.apply_push("trunk", force_W, PUSH_DURATION)
     while not sim.has_fallen and sim.time < LONGEST:
-        _send(sim, stream)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance(POLL)
         if stream.is_over(sim.atlas_sim_interface_state):
             break
@@ -175,13 +175,9 @@ def _until(
     while not reached():
         if sim.has_fallen or sim.time >= LONGEST:
             raise RuntimeError("the walk did not come to the push")
-        _send(sim, stream)
+        sim.publish(stream.next_command(sim.atlas_sim_interface_state))
         sim.advance_to(min(sim.time + sim.scenario.control_period, latest))
 
 
 def _feedback(sim: AtlasSimulation) -> AtlasBehaviorWalkFeedback:
     return sim.atlas_sim_interface_state.walk_feedback
-
-
-def _send(sim: AtlasSimulation, stream: StepStream) -> None:
-    sim.publish(stream.next_command(sim.atlas_sim_interface_state))

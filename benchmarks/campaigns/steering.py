@@ -22,7 +22,7 @@ from atlas_drake import (
     walk_to,
 )
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.planning.walk_at import Velocity, fastest
+from atlas_drake.planning.walk_at import fastest
 from atlas_drake.planning.waypoints import waypoint_error
 from atlas_drake.robot import Robot
 from atlas_drake.robot.leg import ANKLE
@@ -178,7 +178,9 @@ def punched(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, An
         while sim.time < until and not sim.has_fallen:
             sim.publish(arms.command(sim.time))
             if sim.time >= STANDING:
-                _steer(sim, velocity, gait)
+                sim.publish(
+                    walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait)
+                )
             sim.advance(POLL)
 
     walk(punch)
@@ -211,14 +213,9 @@ def velocities(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str,
             )
             velocity = nearest_velocity(*wanted.tolist(), gait=gait)
             until = sim.time + float(random.uniform(*HOLDS))
-        _steer(sim, velocity, gait)
+        sim.publish(walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait))
         sim.advance(POLL)
     return {"stays_up": not sim.has_fallen}
-
-
-def _steer(sim: AtlasSimulation, velocity: Velocity, gait: Gait) -> None:
-    """Lets the robot walk on at a velocity."""
-    sim.publish(walk_at(sim.atlas_sim_interface_state, *velocity, gait=gait))
 
 
 def _punches(
