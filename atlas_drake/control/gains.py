@@ -55,13 +55,15 @@ class QpWeights(Configuration):
     moment: NotNegative[PerAccelerationSquared] = 1700.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""
-    pelvis_tilt: NotNegative[PerAngularAccelerationSquared] = 4.0
+    pelvis_tilt: NotNegative[PerAngularAccelerationSquared] = 8.0
     """Roll and pitch of the pelvis."""
     pelvis_yaw: NotNegative[PerAngularAccelerationSquared] = 0.8
     """Heading of the pelvis. Far below its tilt: a punch on an arm spins the robot, and
     legs that stop the spin at once do not step."""
-    chest_tilt: NotNegative[PerAngularAccelerationSquared] = 0.2
-    """Roll and pitch of the chest."""
+    chest_tilt: NotNegative[PerAngularAccelerationSquared] = 3.0
+    """Roll and pitch of the chest. Not far below that of the pelvis: else a push at the
+    shoulders turns the chest to the waist's stop while the waist does nothing, so that
+    the pelvis keeps still."""
     chest_yaw: NotNegative[PerAngularAccelerationSquared] = 0.03
     """Heading of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
@@ -70,7 +72,7 @@ class QpWeights(Configuration):
     """Position of the swing foot. Far below the weight of the CoM's height: a high
     swing begins with an almost straight knee, and a heavier foot lifts off with the
     pelvis, which throws the robot up and ahead."""
-    swing_foot_lowering: NotNegative[PerAccelerationSquared] = 52.0
+    swing_foot_lowering: NotNegative[PerAccelerationSquared] = 60.0
     """Height of a swing foot that is accelerated downward: a leg that rights the trunk
     instead lands late, and the DCM runs away."""
     swing_foot_orientation: NotNegative[PerAngularAccelerationSquared] = 10.0
@@ -202,11 +204,13 @@ class ControlGains(Configuration):
     error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
     """Angular momentum."""
-    orientation: PdGains = PdGains(kp=100.0, kd=37.0)
+    orientation: PdGains = PdGains(kp=100.0, kd=40.0)
     """Pelvis and chest."""
     stance_foot_damping: NotNegative[PerSecond] = 20.0
     """Damping of a foot that carries load, per unit of inertia."""
-    swing_position: PdGains = PdGains(kp=300.0, kd=35.0)
+    swing_position: PdGains = PdGains(kp=570.0, kd=50.0)
+    """Position of the swing foot: as stiff as a step for balance needs, which else
+    lands up to a decimeter short."""
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     speed_hold: NotNegative[Seconds] = 0.02
     """Damping with which the motors of back and legs on the ground keep the planned

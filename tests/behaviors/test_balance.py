@@ -310,7 +310,7 @@ def test_a_foot_comes_down_although_the_trunk_is_righted(on_one_leg):
 def test_a_spin_of_the_body_does_not_turn_the_foot_in_the_air(on_one_leg):
     """A punch on an arm spins the robot; stopping that at once takes the swing leg."""
     (still, _), (spun, _) = (on_one_leg(0.3, -40.0, [0.0, 0.0, w]) for w in (0.0, 3.0))
-    assert abs(spun[2] - still[2]) < 5.0
+    assert abs(spun[2] - still[2]) < 6.0  # Of 120 rad/s² that the trunk asks for.
 
 
 def test_a_jolt_that_weak_wrists_cannot_bear_does_not_move_the_foot(on_one_leg):

@@ -48,7 +48,7 @@ class StepAdjustmentLimits(Configuration):
     stretch: NotNegative[Meters] = 0.30
     """Distance by which a step for balance may exceed the limits of commanded steps
     ahead, back and outward."""
-    reach: Positive[Meters] = 0.82
+    reach: Positive[Meters] = 0.95
     """Largest distance between the feet after a step for balance."""
     clearance: NotNegative[Meters] = 0.03
     """Least gap between the soles after a step for balance: a foot that lands a
