@@ -493,3 +493,16 @@ def test_a_robot_that_a_push_tips_over_one_foot_keeps_its_height():
     assert len(run.events("footstep")) > 1
     height = min(record.balance.com[2] for record in run.records)
     assert height > 0.8 * run.sim.robot.com_height
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("late", [0.0, 0.48])
+def test_a_push_back_at_both_shoulders_is_borne(late):
+    """The waist holds the chest, which would turn to its stop and take all with it."""
+    run = in_place()
+    run.advance(late)
+    force = -1.0 * run.sim.robot.mass / 0.1
+    for shoulder in ("l_clav", "r_clav"):
+        run.sim.apply_push(shoulder, [0.5 * force, 0.0, 0.0], 0.1)
+    run.advance(0.5)
+    run.until(stands)
