@@ -188,14 +188,9 @@ class Balance:
         )
         softly = quick and com_acceleration[2] > 0.0
         turning = np.array([0.0, 0.0, body.yaw_rate])
-        if observation.user_holds(self._back):
-            # The user controls the back and so the chest: the pelvis must not be tilted
-            # to bring the chest upright.
-            chest = np.zeros(3)
-        else:
-            chest = orientation_acceleration(
-                body.R_WC, turning, terms.R_WC, terms.w_WC, gains.orientation
-            )
+        chest = orientation_acceleration(
+            body.R_WC, turning, terms.R_WC, terms.w_WC, gains.orientation
+        )
         turn = -self.sway.pelvis
         pelvis = orientation_acceleration(
             body.R_WP(turn * body.lead),
@@ -205,10 +200,15 @@ class Balance:
             gains.orientation,
         )
         file = self.robot.file
+        # With the back the chest is the user's: the pelvis must not tilt to bring it
+        # upright, nor to keep it still.
+        upper: tuple[Task, ...] = ()
+        if not observation.user_holds(self._back):
+            upper = (OrientationTask(file.chest, chest, self._chest_weight),)
         return self.on_feet(
             feet,
             PostureTask(self.posture(observation, body), self._posture_weight(feet)),
-            OrientationTask(file.chest, chest, self._chest_weight),
+            *upper,
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(

@@ -55,15 +55,15 @@ class QpWeights(Configuration):
     moment: NotNegative[PerAccelerationSquared] = 1700.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for."""
-    pelvis_tilt: NotNegative[PerAngularAccelerationSquared] = 8.0
+    pelvis_tilt: NotNegative[PerAngularAccelerationSquared] = 4.0
     """Roll and pitch of the pelvis."""
     pelvis_yaw: NotNegative[PerAngularAccelerationSquared] = 0.8
     """Heading of the pelvis. Far below its tilt: a punch on an arm spins the robot, and
     legs that stop the spin at once do not step."""
-    chest_tilt: NotNegative[PerAngularAccelerationSquared] = 3.0
+    chest_tilt: NotNegative[PerAngularAccelerationSquared] = 1.0
     """Roll and pitch of the chest. Not far below that of the pelvis: else a push at the
     shoulders turns the chest to the waist's stop while the waist does nothing, so that
-    the pelvis keeps still."""
+    the pelvis keeps still. At 2 a robot on stairs falls to spare the chest."""
     chest_yaw: NotNegative[PerAngularAccelerationSquared] = 0.03
     """Heading of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
@@ -204,13 +204,13 @@ class ControlGains(Configuration):
     error of the DCM."""
     momentum: MomentumGains = field(default_factory=MomentumGains)
     """Angular momentum."""
-    orientation: PdGains = PdGains(kp=100.0, kd=40.0)
+    orientation: PdGains = PdGains(kp=100.0, kd=37.0)
     """Pelvis and chest."""
     stance_foot_damping: NotNegative[PerSecond] = 20.0
     """Damping of a foot that carries load, per unit of inertia."""
-    swing_position: PdGains = PdGains(kp=570.0, kd=50.0)
+    swing_position: PdGains = PdGains(kp=360.0, kd=40.0)
     """Position of the swing foot: as stiff as a step for balance needs, which else
-    lands up to a decimeter short."""
+    lands up to a decimeter short. At 450 the knees reach their limit down stairs."""
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     speed_hold: NotNegative[Seconds] = 0.02
     """Damping with which the motors of back and legs on the ground keep the planned

@@ -12,6 +12,7 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.feet.sole_motion import SoleMotion
 from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
+from atlas_drake.control.whole_body.tasks import OrientationTask
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.footstep import FootPose
@@ -207,12 +208,9 @@ def test_trunk_and_posture_are_turned_to_their_reference(balance, observe):
     assert com.target[2] == pytest.approx(0.01 * gains.com_height.kp)
     np.testing.assert_allclose(command.posture.target, 0.1 * gains.posture.kp)
     # With the back under the user's control, the chest may not tilt the pelvis.
-    back = "back_bkz"
-    _, _, chest, pelvis, *_ = commanded(
-        balance, observe(users={back: 1.0}), body=ahead
-    ).tasks
-    np.testing.assert_array_equal(chest.target, np.zeros(3))
-    assert pelvis.target.any()
+    shared = commanded(balance, observe(users={"back_bkz": 1.0}), body=ahead)
+    turned = [task for task in shared.tasks if isinstance(task, OrientationTask)]
+    assert [task.frame for task in turned] == [balance.robot.file.pelvis]
 
 
 @pytest.mark.parametrize("behavior", ["STAND", "WALK", "STEP", "MANIPULATE"])
@@ -310,7 +308,7 @@ def test_a_foot_comes_down_although_the_trunk_is_righted(on_one_leg):
 def test_a_spin_of_the_body_does_not_turn_the_foot_in_the_air(on_one_leg):
     """A punch on an arm spins the robot; stopping that at once takes the swing leg."""
     (still, _), (spun, _) = (on_one_leg(0.3, -40.0, [0.0, 0.0, w]) for w in (0.0, 3.0))
-    assert abs(spun[2] - still[2]) < 6.0  # Of 120 rad/s² that the trunk asks for.
+    assert abs(spun[2] - still[2]) < 5.0
 
 
 def test_a_jolt_that_weak_wrists_cannot_bear_does_not_move_the_foot(on_one_leg):

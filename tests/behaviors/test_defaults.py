@@ -55,7 +55,7 @@ def test_defaults_that_the_schema_leaves_out():
         "turn": {"speed": 0.4, "acceleration": 1.2, "rate": 4.0},
         "com": {"speed": 0.08, "acceleration": 0.25, "rate": 4.0},
     }
-    springs = {"orientation": (100.0, 40.0), "posture": (80.0, 18.0)}
-    springs |= {"swing_position": (570.0, 50.0), "swing_orientation": (200.0, 28.0)}
+    springs = {"orientation": (100.0, 37.0), "posture": (80.0, 18.0)}
+    springs |= {"swing_position": (360.0, 40.0), "swing_orientation": (200.0, 28.0)}
     for name, (kp, kd) in (springs | {"com_height": (40.0, 12.0)}).items():
         assert as_plain(getattr(config.gains, name)) == {"kp": kp, "kd": kd}

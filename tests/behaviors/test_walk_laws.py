@@ -479,7 +479,8 @@ def test_the_last_step_after_a_catch_puts_the_feet_side_by_side():
     assert last.time - before.time > 1.2 * CONFIG.limits.duration.least
     left, right = run.sim.record.feet.positions
     width = StanceConfig().width
-    np.testing.assert_allclose((left - right)[:2], [0.0, width], atol=0.02)
+    away = (left - right)[:2] - [0.0, width]
+    assert math.hypot(*away) < RULES.feet_apart
 
 
 @pytest.mark.slow
@@ -496,12 +497,12 @@ def test_a_robot_that_a_push_tips_over_one_foot_keeps_its_height():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("late", [0.0, 0.48])
+@pytest.mark.parametrize("late", [0.0, 0.24])
 def test_a_push_back_at_both_shoulders_is_borne(late):
     """The waist holds the chest, which would turn to its stop and take all with it."""
     run = in_place()
     run.advance(late)
-    force = -1.0 * run.sim.robot.mass / 0.1
+    force = -1.1 * run.sim.robot.mass / 0.1
     for shoulder in ("l_clav", "r_clav"):
         run.sim.apply_push(shoulder, [0.5 * force, 0.0, 0.0], 0.1)
     run.advance(0.5)
