@@ -187,10 +187,6 @@ class Balance:
             gains.com_height_quick if quick else gains.com_height,
         )
         softly = quick and com_acceleration[2] > 0.0
-        turning = np.array([0.0, 0.0, body.yaw_rate])
-        chest = orientation_acceleration(
-            body.R_WC, turning, terms.R_WC, terms.w_WC, gains.orientation
-        )
         turn = -self.sway.pelvis
         pelvis = orientation_acceleration(
             body.R_WP(turn * body.lead),
@@ -199,22 +195,36 @@ class Balance:
             terms.V_WP[:3],
             gains.orientation,
         )
-        file = self.robot.file
-        # With the back the chest is the user's: the pelvis must not tilt to bring it
-        # upright, nor to keep it still.
-        upper: tuple[Task, ...] = ()
-        if not observation.user_holds(self._back):
-            upper = (OrientationTask(file.chest, chest, self._chest_weight),)
         return self.on_feet(
             feet,
             PostureTask(self.posture(observation, body), self._posture_weight(feet)),
-            *upper,
-            OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
+            *self._chest_task(observation, body),
+            OrientationTask(self.robot.file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
             ComTask(
                 com_acceleration, self._com_weight_quick if softly else self._com_weight
             ),
         )
+
+    def _chest_task(
+        self, observation: Observation, body: BodyReference
+    ) -> tuple[OrientationTask, ...]:
+        """Builds the task that brings the chest upright; none if the user has the back.
+
+        The pelvis must neither bring the user's chest upright nor keep it still.
+        """
+        if observation.user_holds(self._back):
+            return ()
+        terms = observation.terms
+        acceleration = orientation_acceleration(
+            body.R_WC,
+            np.array([0.0, 0.0, body.yaw_rate]),
+            terms.R_WC,
+            terms.w_WC,
+            self.gains.orientation,
+        )
+        chest = self.robot.file.chest
+        return (OrientationTask(chest, acceleration, self._chest_weight),)
 
     def on_feet(
         self, feet: tuple[FootCommand, FootCommand], posture: PostureTask, *tasks: Task
