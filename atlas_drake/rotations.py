@@ -12,9 +12,25 @@ import numpy as np
 
 
 def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
-    """Rotation that takes B to D, as sin(angle) times its axis in W, shape (3,)."""
-    (_, xy, xz), (yx, _, yz), (zx, zy, _) = (R_WD @ R_WB.T).tolist()
-    return np.array([0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)])
+    """Turn that takes B to D in W, as sines of its two angles, shape (3,).
+
+    The z axis turns to its place the shorter way, and B turns about it, beyond 90° as
+    at 90°. A body that a push has spun is so brought upright from where it leans. About
+    the one axis of the whole turn it would be pushed aside, and after half a turn not
+    be brought upright at all (reduced attitude: Chaturvedi, Sanyal, McClamroch,
+    "Rigid-body attitude control", IEEE Control Systems Magazine 2011).
+    """
+    z_WB, z_WD = R_WB[:, 2], R_WD[:, 2]
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = (R_WD @ R_WB.T).tolist()
+    x, y, z = z_WD.tolist()
+    # Sine and cosine of the turn about z_WD, both times 1 + z_WB · z_WD.
+    sine = x * (zy - yz) + y * (xz - zx) + z * (yx - xy)
+    cosine = xx + yy + zz - float(z_WB @ z_WD)
+    size = math.hypot(sine, cosine)
+    if size == 0.0:
+        return cross(z_WB, z_WD)
+    about = sine / size if cosine > 0.0 else math.copysign(1.0, sine)
+    return cross(z_WB, z_WD) + about * z_WD
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -100,7 +116,8 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:
     """Computes axis times angle of a rotation below half a turn [rad], shape (3,)."""
-    sine_axis = rotation_error(R, np.eye(3))
+    (_, xy, xz), (yx, _, yz), (zx, zy, _) = R.tolist()
+    sine_axis = 0.5 * np.array([zy - yz, xz - zx, yx - xy])
     sine = math.sqrt(sine_axis @ sine_axis)
     if sine == 0.0:
         return sine_axis

@@ -66,15 +66,23 @@ def test_mean_yaw_lies_halfway_on_the_short_way(yaw, turn):
     assert wrap_angle(mean - yaw) == pytest.approx(0.5 * turn, abs=1e-9)
 
 
-def test_rotation_error_is_sine_of_the_angle_along_the_axis():
-    random = np.random.default_rng(0)
-    for angle in random.uniform(-math.pi, math.pi, 20):
-        axis = random.normal(size=3)
-        axis /= np.linalg.norm(axis)
-        R_WB = RollPitchYaw(random.uniform(-3, 3, 3)).ToRotationMatrix()
-        R_WD = RotationMatrix(AngleAxis(angle, axis)) @ R_WB
-        error = rotation_error(R_WD.matrix(), R_WB.matrix())
-        np.testing.assert_allclose(error, math.sin(angle) * axis, atol=1e-12)
+@given(lean=st.floats(0.0, 1.5), to=ANGLES, spin=st.floats(-1.5, 1.5), heading=ANGLES)
+def test_rotation_error_turns_z_to_z_and_then_about_it(lean, to, spin, heading):
+    R_WD = RollPitchYaw(0.3, -0.2, heading).ToRotationMatrix()
+    about = np.array([math.cos(to), math.sin(to), 0.0])
+    R_DB = RotationMatrix(AngleAxis(-lean, about)) @ RotationMatrix.MakeZRotation(-spin)
+    error = rotation_error(R_WD.matrix(), (R_WD @ R_DB).matrix())
+    in_D = math.sin(lean) * about + [0.0, 0.0, math.sin(spin)]
+    np.testing.assert_allclose(error, R_WD.matrix() @ in_D, atol=1e-9)
+
+
+@given(spin=st.floats(-3.1, 3.1))
+def test_a_body_is_brought_upright_from_where_it_leans_however_it_has_spun(spin):
+    leaning = RotationMatrix.MakeYRotation(0.5) @ RotationMatrix.MakeZRotation(spin)
+    x, y, z = rotation_error(np.eye(3), leaning.matrix()).tolist()
+    assert (x, y) == pytest.approx((0.0, -math.sin(0.5)))
+    assert z * spin <= 0.0
+    assert abs(z) == pytest.approx(math.sin(min(abs(spin), math.pi / 2)))
 
 
 @given(yaw=ANGLES, tilt=st.floats(-0.6, 0.6), heading=ANGLES)
