@@ -91,30 +91,38 @@ class ArmSteps:
     keep ``CLEAR`` of each other.
     """
 
-    def __init__(self, robot: Robot, state: np.ndarray, goals: Sequence[HandGoal]):
+    def __init__(self, robot: Robot, goals: Sequence[HandGoal]):
         """Prepares steps of the arms whose hands have a goal.
 
         Args:
             robot: The robot.
-            state: Its positions, in the order of its plant, velocities may follow.
             goals: At most one for each hand.
 
         Raises:
             InvalidMessageError: If the robot has no such hand, or one has two goals.
         """
         indices, shapes = robot.indices(robot.plant), shapes_of(robot)
-        self._robot, self._goals, self._arms = robot, goals, arms_of(robot, goals)
-        self._q, self._joints = positions_at(robot, state), indices.q
+        self._robot, self._arms, self._joints = robot, arms_of(robot, goals), indices.q
         self._moving, self._columns = indices.q[self._arms], indices.v[self._arms]
         self._shapes, self._context = shapes, shapes.context_for(self._arms)
         limits = robot.position_lower, robot.position_upper
         self._stops = [limit[self._arms] for limit in limits]
 
-    def step(self, joints: np.ndarray, way: np.ndarray, most: float) -> np.ndarray:
+    def step(
+        self,
+        state: np.ndarray,
+        goals: Sequence[HandGoal],
+        joints: np.ndarray,
+        way: np.ndarray,
+        most: float,
+    ) -> np.ndarray:
         """Takes a step.
 
         Args:
-            joints: Where the joints are [rad], shape (n,), message order.
+            state: Positions of the robot, in the order of its plant, velocities may
+                follow.
+            goals: Where the same hands go.
+            joints: Where their arms are [rad], shape (n,), message order.
             way: Where they go from there as far as hands leave it open [rad], (n,).
             most: Largest way of a joint [rad].
 
@@ -122,8 +130,8 @@ class ArmSteps:
             Joint positions [rad], shape (n,), message order; as in the state for joints
             that are of no such arm.
         """
-        robot, goals, q = self._robot, self._goals, self._q.copy()
-        shapes, context, columns = self._shapes, self._context, self._columns
+        robot, q, columns = self._robot, positions_at(self._robot, state), self._columns
+        shapes, context = self._shapes, self._context
         q[self._moving] = at = np.clip(joints[self._arms], *self._stops)
         plant = shapes.plant
         plant.SetPositions(context, q)
@@ -146,15 +154,14 @@ class ArmSteps:
         q[self._moving] = np.clip(at + solve(problem).x, *self._stops)
         return np.asarray(q[self._joints])
 
-    def all_the_way(self, joints: np.ndarray) -> np.ndarray:
-        """Takes steps until they lead no farther.
-
-        Args:
-            joints: Where the joints are [rad], shape (n,), message order.
-        """
+    def all_the_way(
+        self, state: np.ndarray, goals: Sequence[HandGoal], joints: np.ndarray
+    ) -> np.ndarray:
+        """Takes steps until they lead no farther; see ``step``."""
         still = np.zeros_like(joints)
         for _ in range(_MOST_STEPS):
-            before, joints = joints, self.step(joints, still, _LONGEST)
+            before = joints
+            joints = self.step(state, goals, joints, still, _LONGEST)
             if np.abs(joints - before).max() < _SHORTEST:
                 break
         return joints

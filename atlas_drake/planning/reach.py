@@ -145,11 +145,11 @@ def reach(
     def cheapest(poses: list[np.ndarray]) -> np.ndarray:
         return min(filter(is_possible, poses), key=cost, default=min(poses, key=cost))
 
-    steps = ArmSteps(robot, state, goals)
+    steps = ArmSteps(robot, goals)
 
     def stepped(pose: np.ndarray) -> np.ndarray:
         end = pose.copy()
-        end[moving] = steps.all_the_way(pose[indices.q])[limbs]
+        end[moving] = steps.all_the_way(q, goals, pose[indices.q])[limbs]
         return end
 
     poses = [stepped(q)]

@@ -85,7 +85,8 @@ def test_a_stretched_arm_stays_slow(robot):
 
 def step(robot, state, goals, way=0.0, most=0.05):
     q = state[robot.indices(robot.plant).q]
-    return ArmSteps(robot, state, goals).step(q, np.full_like(q, way), most)
+    way = np.full_like(q, way)
+    return ArmSteps(robot, goals).step(state, goals, q, way, most)
 
 
 def test_steps_bring_hands_to_their_goals_and_no_joint_goes_too_far(robot):

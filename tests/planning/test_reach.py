@@ -203,6 +203,7 @@ def test_where_steps_end_at_a_stop_a_pose_is_looked_for_from_afar(robot, state):
     goal = HandGoal("l_hand", [0.3855, 0.2248, 0.95], aside)
     q = state.copy()
     joints = robot.indices(robot.plant).q
-    q[joints] = ArmSteps(robot, state, [goal]).all_the_way(state[joints])
+    steps = ArmSteps(robot, [goal])
+    q[joints] = steps.all_the_way(state, [goal], state[joints])
     assert reached(robot, q, [goal]).angles[0] > 0.3
     assert reach(robot, state, [goal]).angles[0] < 0.05

@@ -59,6 +59,7 @@ class HandMotion:
         # Factors of these gains in the last command, and before the motion began.
         self._scale: np.ndarray | None = None
         self._scale_from: np.ndarray | None = None
+        self._steps = ArmSteps(robot, ())
         self._from: tuple[HandGoal, ...] = ()
         self._to: tuple[HandGoal, ...] = ()
         self._begin = self._duration = 0.0
@@ -94,6 +95,7 @@ class HandMotion:
         there = reach(self._robot, state, goals, last)
         there.check()
         context = context_of(self._robot, state)
+        self._steps = ArmSteps(self._robot, goals)
         self._joints_from, self._joints_to = last, there.joints
         going = {goal.hand: goal for goal in self._now(time)}
         self._from = tuple(self._start(context, goal, going) for goal in goals)
@@ -136,7 +138,8 @@ class HandMotion:
         soon, last = time + self.PERIOD, self._joints(state)
         planned, next_planned = self._planned(time), self._planned(soon)
         way = next_planned - planned + PULL * (planned - last)
-        self._last = joints = ArmSteps(robot, state, goals).step(last, way, most)
+        joints = self._steps.step(state, goals, last, way, most)
+        self._last = joints
         later = self._now(soon)
         speed = arm_speed(robot, state, goals, later, self.PERIOD)
         speed = np.clip(speed, -self.FASTEST, self.FASTEST)
