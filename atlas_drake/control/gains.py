@@ -61,9 +61,10 @@ class QpWeights(Configuration):
     """Heading of the pelvis. Far below its tilt: a punch on an arm spins the robot, and
     legs that stop the spin at once do not step."""
     chest_tilt: NotNegative[PerAngularAccelerationSquared] = 1.0
-    """Roll and pitch of the chest. Not far below that of the pelvis: else a push at the
-    shoulders turns the chest to the waist's stop while the waist does nothing, so that
-    the pelvis keeps still. At 2 a robot on stairs falls to spare the chest."""
+    """Roll and pitch of the chest. With a twentieth of the pelvis' weight a push at the
+    shoulders turns the chest to the waist's stop, and the waist gives half of its
+    effort at most to spare the pelvis. At 2 a robot on stairs falls to spare the
+    chest."""
     chest_yaw: NotNegative[PerAngularAccelerationSquared] = 0.03
     """Heading of the chest."""
     stance_foot: NotNegative[PerAccelerationSquared] = 50.0
