@@ -20,17 +20,14 @@ def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
     be brought upright at all (reduced attitude: Chaturvedi, Sanyal, McClamroch,
     "Rigid-body attitude control", IEEE Control Systems Magazine 2011).
     """
-    z_WB, z_WD = R_WB[:, 2], R_WD[:, 2]
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = (R_WD @ R_WB.T).tolist()
-    x, y, z = z_WD.tolist()
-    # Sine and cosine of the turn about z_WD, both times 1 + z_WB · z_WD.
-    sine = x * (zy - yz) + y * (xz - zx) + z * (yx - xy)
-    cosine = xx + yy + zz - float(z_WB @ z_WD)
-    size = math.hypot(sine, cosine)
-    if size == 0.0:
-        return cross(z_WB, z_WD)
-    about = sine / size if cosine > 0.0 else math.copysign(1.0, sine)
-    return cross(z_WB, z_WD) + about * z_WD
+    (xx, xy, xz), (yx, yy, yz), _ = (R_WD.T @ R_WB).tolist()
+    # Sine and cosine of the turn about z, both times 1 + z_WB · z_WD.
+    sine, cosine = xy - yx, xx + yy
+    if cosine > 0.0:
+        about = sine / math.hypot(sine, cosine)
+    else:
+        about = math.copysign(1.0, sine)
+    return np.asarray(R_WD @ np.array([yz, -xz, about]))
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

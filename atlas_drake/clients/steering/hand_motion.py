@@ -138,8 +138,7 @@ class HandMotion:
         soon, last = time + self.PERIOD, self._joints(state)
         planned, next_planned = self._planned(time), self._planned(soon)
         way = next_planned - planned + PULL * (planned - last)
-        joints = self._steps.step(state, goals, last, way, most)
-        self._last = joints
+        self._last = joints = self._steps.step(state, goals, last, way, most)
         later = self._now(soon)
         speed = arm_speed(robot, state, goals, later, self.PERIOD)
         speed = np.clip(speed, -self.FASTEST, self.FASTEST)
